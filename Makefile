@@ -1,0 +1,88 @@
+# `make test` and `make demo` work from a fresh clone: they set up $(VENV) first, and again only when
+# pyproject.toml has changed. PYTHON=... chooses the interpreter.
+
+VENV := .venv
+PYTHON ?=
+PYTHONS := python3.11 python3.10 python3.12 python3.13 python3
+VERSIONS := 3.10 3.11 3.12 3.13
+
+RUN := $(VENV)/bin/python -m
+READY := $(VENV)/.ready
+
+# A sourced ROS or conda workspace would otherwise put its own packages and pytest plugins before ours.
+unexport PYTHONPATH PYTHONHOME
+
+# Where another interpreter than last time is asked for, the environment is made anew.
+ifneq ($(PYTHON),)
+ifneq ($(PYTHON),$(shell cat $(READY) 2>/dev/null))
+.PHONY: $(READY)
+endif
+endif
+
+.PHONY: all help sync demo test test-all check format golden bench build clean
+.DELETE_ON_ERROR:
+
+all: help
+
+help: ## this list
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-10s %s\n", $$1, $$2 }' Makefile
+
+sync: $(READY) ## set up .venv with everything for work on somo
+
+$(READY): pyproject.toml
+	@python=$$(.ci/find-python $(if $(PYTHON),"$(PYTHON)",$(PYTHONS))) || exit 1; \
+	echo "setting up $(VENV) with $$python (a minute or two, once)"; \
+	"$$python" -m venv --clear $(VENV) && \
+	$(RUN) pip install --quiet --disable-pip-version-check --editable '.[dev]' && \
+	echo "$(PYTHON)" > $@
+
+demo: sync ## compile the finger, simulate it for 2000 steps, show where its tip went
+	@mkdir -p build
+	$(VENV)/bin/somo build definitions/finger.yaml -o build/finger.urdf
+	$(VENV)/bin/somo run definitions/scene.yaml --steps 2000 -o build/finger.csv
+	@echo "build/finger.csv, first and last row:"
+	@awk -F , ' \
+	  NR == 1 { for (i = 1; i <= NF; i++) if ($$i ~ /^time|tip/) shown[++n] = i } \
+	  { row = ""; for (j = 1; j <= n; j++) row = row sprintf("  %20s", $$shown[j]) } \
+	  NR <= 2 { print row } END { print row }' build/finger.csv
+
+test: sync ## run the tests
+	$(RUN) pytest
+
+test-all: ## run the tests on every Python from 3.10 to 3.13 that is found, each in its own environment
+	@for version in $(VERSIONS); do \
+	  .ci/find-python -q python$$version >/dev/null || echo "Python $$version: not found, not tested"; \
+	done
+	@failed=; tested=; \
+	for version in $(VERSIONS); do \
+	  python=$$(.ci/find-python -q python$$version) || continue; \
+	  echo "Python $$version:"; tested=yes; \
+	  PYTEST_ADDOPTS=-q $(MAKE) --no-print-directory VENV=.venv-$$version PYTHON="$$python" test \
+	    || failed="$$failed $$version"; \
+	done; \
+	if [ -z "$$tested" ]; then echo "no Python was found to test on" >&2; exit 1; fi; \
+	if [ -n "$$failed" ]; then echo "the tests failed on:$$failed" >&2; exit 1; fi
+
+check: sync ## lint, formatting, types
+	$(RUN) ruff check
+	$(RUN) ruff format --check
+	$(RUN) mypy
+
+format: sync ## format, and mend what the linter can mend
+	$(RUN) ruff check --fix
+	$(RUN) ruff format
+
+golden: sync ## write tests/golden/ anew: the diff is the review
+	$(RUN) pytest tests/manipulator/test_golden.py --rewrite-golden
+
+bench: sync ## measure steps per second and error against run time
+	$(RUN) tests.bench.stepping
+
+build: sync ## make sdist and wheel in dist/, and use the wheel in an empty environment
+	rm -rf dist
+	$(RUN) build --outdir dist
+	.ci/try-wheel $(VENV)/bin/python dist/*.whl
+
+clean: ## remove everything that make made
+	rm -rf .venv .venv-3.* build dist .mypy_cache .pytest_cache .ruff_cache
+	find somo_cli tests -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,17 @@
+"""Soft manipulators described in YAML, compiled to URDF and brought to life without a display.
+
+The map of the house. Two pipelines, each on one screen:
+
+- `somo build` is `manipulator/compile.py`: text ─parse─▶ Document ─validate─▶ Document ─read─▶
+  Definition (SI) ─build─▶ Chain ─scaled─▶ Chain ─render─▶ URDF text.
+- `somo run` is `simulation/run.py`: the scene takes the same way to a Scene, each definition it
+  names is compiled, `make_plan` settles the rest, then World and recorder go step by step.
+
+The rooms, each of which knows only those before it: `problems` says what a fault is; `document/`
+is a file as it was written; `manipulator/` is what it means, and its URDF; `simulation/` brings it
+to life; `cli` is the front door, the only one to use `files` and the one voice, `terminal`.
+`document/` and `manipulator/` are pure: text in, values out, every fault with its place in the
+text. Each library has one home; `tests/test_architecture.py` is the law that says which.
+"""
+
+__version__ = "0.1.0"

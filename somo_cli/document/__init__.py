@@ -1,0 +1,1 @@
+"""A file as it was written: plain values and the position of each."""

@@ -1,0 +1,166 @@
+"""Documents put into documents: whole files at a place, single values from the command line."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+
+from somo_cli.document.parse import Document, parse
+from somo_cli.problems import InvalidFile, Pointer, Problem, Span
+
+_STEP = re.compile(r"(?P<dot>\.?)(?P<name>[^.\[\]=\s'\"]+)|\[(?P<index>[0-9]{1,9})\]")
+_NOT_SET = "'{}' does not say what to set"
+_NO_VALUE = "there is no value after the '='"
+_EXAMPLE = "write it like links[0].mass=0.1"
+
+
+def embed(document: Document, pointer: Pointer, part: Document) -> Document:
+    """Put the root of a part in place of the value at a pointer, with its spans and texts.
+
+    The key keeps its place. The last step may be a new key of an existing mapping; anything
+    else that is not there raises KeyError.
+    """
+    return embed_all(document, {pointer: part})
+
+
+def embed_all(document: Document, parts: Mapping[Pointer, Document]) -> Document:
+    """Embed several parts at once; no place may lie inside another."""
+    keys = {pointer: document.span(pointer, key=True) for pointer in parts}
+    return _replace(document, parts, keys)
+
+
+def override(document: Document, assignment: str) -> Document:
+    """Set one value as `PATH=VALUE` says, such as `links[0].mass=0.1`; the value is YAML.
+
+    The last name may be a new key of an existing mapping. The spans of the value lie in the
+    text of the assignment, under the source `--set 'PATH'`. Raises InvalidFile.
+    """
+    path, equals, value = assignment.partition("=")
+    source = f"--set '{path}'"
+    texts = {**document.texts, source: assignment}
+    if not equals:
+        problem = Problem(Span(source, 1, 1, max(1, len(path))), _NOT_SET.format(path), _EXAMPLE)
+        raise InvalidFile([problem], texts)
+    try:
+        steps = _steps(path, source)
+        pointer = _existing(document, steps)
+        part = _value(value, len(path) + 1, source)
+    except InvalidFile as error:
+        raise InvalidFile(error.problems, texts) from error
+    part = Document(source, part.data, {source: assignment}, part.spans)
+    return _replace(document, {pointer: part}, {pointer: steps[-1][1]})
+
+
+def _steps(path: str, source: str) -> list[tuple[str | int, Span]]:
+    # The names and indices of a path, each with its place in the assignment.
+    steps: list[tuple[str | int, Span]] = []
+    end = 0
+    while end < len(path) or not steps:
+        match = _STEP.match(path, end)
+        # A dot stands before every name but the first.
+        if not match or (match["name"] and bool(match["dot"]) != bool(steps)):
+            raise _refusal(Span(source, 1, end + 1), f"'{path}' is not a path", _EXAMPLE)
+        start, end = match.start("name" if match["name"] else 0), match.end()
+        step = match["name"] or int(match["index"])
+        steps.append((step, Span(source, 1, start + 1, end - start)))
+    return steps
+
+
+def _existing(document: Document, steps: Sequence[tuple[str | int, Span]]) -> Pointer:
+    # The pointer the steps make, if all but a last name lead to what is there.
+    pointer: Pointer = ()
+    here = document.data
+    for number, (step, span) in enumerate(steps, start=1):
+        holder = _written(pointer)
+        if isinstance(step, int):
+            if not isinstance(here, list):
+                hint = "name a key instead" if isinstance(here, dict) else ""
+                raise _refusal(span, f"{holder} is not a list", hint)
+            if step >= len(here):
+                hint = f"the last one is [{len(here) - 1}]" if here else "the list is empty"
+                raise _refusal(span, f"{holder} has no item [{step}]", hint)
+            here = here[step]
+        else:
+            if not isinstance(here, dict):
+                hint = "name an index, such as [0]" if isinstance(here, list) else ""
+                raise _refusal(span, f"{holder} is not a mapping", hint)
+            if step not in here and number < len(steps):
+                raise _refusal(span, f"{holder} has no key '{step}'", _nearest(step, here))
+            here = here.get(step)
+        pointer = (*pointer, step)
+    return pointer
+
+
+def _value(value: str, column: int, source: str) -> Document:
+    span = Span(source, 1, column + 1, max(1, len(value)))
+    if not value.strip():
+        raise _refusal(span, _NO_VALUE, "null stands for nothing")
+    if value.lstrip().startswith("#"):
+        raise _refusal(span, _NO_VALUE, "quote a value that starts with '#'")
+    # The blanks put every position of the value where it stands in the assignment.
+    part = parse(" " * column + value, source)
+    if not isinstance(part.data, dict | list):
+        return part
+    start = Span(source, 1, column + 1 + len(value) - len(value.lstrip()))
+    return Document(source, part.data, part.texts, {**part.spans, (): (start, start)})
+
+
+def _refusal(span: Span, message: str, hint: str) -> InvalidFile:
+    return InvalidFile([Problem(span, message, hint)])
+
+
+def _replace(
+    document: Document, parts: Mapping[Pointer, Document], keys: Mapping[Pointer, Span]
+) -> Document:
+    data = document.data
+    lengths = {len(pointer) for pointer in parts}
+    spans = {
+        pointer: pair
+        for pointer, pair in document.spans.items()
+        if not any(pointer[:length] in parts for length in lengths)
+    }
+    texts = dict(document.texts)
+    copied: set[Pointer] = set()
+    for pointer, part in parts.items():
+        data = _with(data, pointer, part.data, (), copied)
+        key, value = keys[pointer], part.span(())
+        spans[pointer] = (key, value)
+        spans.update((pointer + below, pair) for below, pair in part.spans.items() if below)
+        texts.update(part.texts)
+    return Document(document.source, data, texts, spans)
+
+
+def _with(
+    value: object, pointer: Pointer, new: object, done: Pointer, copied: set[Pointer]
+) -> object:
+    # Copies the collections on the way, each only once however many places lie below it.
+    if not pointer:
+        return new
+    step, rest = pointer[0], pointer[1:]
+    way = (*done, step)
+    if isinstance(value, dict) and isinstance(step, str) and (step in value or not rest):
+        if done not in copied:
+            value = dict(value)
+        copied.add(done)
+        value[step] = _with(value.get(step), rest, new, way, copied)
+        return value
+    if isinstance(value, list) and isinstance(step, int) and 0 <= step < len(value):
+        if done not in copied:
+            value = list(value)
+        copied.add(done)
+        value[step] = _with(value[step], rest, new, way, copied)
+        return value
+    raise KeyError(way)
+
+
+def _written(pointer: Pointer) -> str:
+    if not pointer:
+        return "the file"
+    steps = (f"[{step}]" if isinstance(step, int) else f".{step}" for step in pointer)
+    return "'" + "".join(steps).removeprefix(".") + "'"
+
+
+def _nearest(name: str, known: Mapping[str, object]) -> str:
+    close = get_close_matches(name, known, n=1)
+    return f"did you mean '{close[0]}'?" if close else f"known keys: {', '.join(known)}"

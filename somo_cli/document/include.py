@@ -1,0 +1,71 @@
+"""Files named inside a document, read and put where they are named."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+
+from somo_cli.document.edit import embed_all
+from somo_cli.document.parse import MOST_VALUES, Document, parse
+from somo_cli.problems import InvalidFile, Pointer, Problem
+
+
+def include(
+    document: Document,
+    places: Iterable[tuple[str, ...]],
+    open_text: Callable[[str, str], tuple[str, str]],
+) -> Document:
+    """Read the file named at each place, and put its contents there.
+
+    A place is a pointer in which "*" stands for every item; outer places come first, so that
+    an included file may name files in turn. `open_text(naming_source, path)` gives
+    `(source, text)`, or raises OSError, InvalidFile, or ValueError for a path that is not
+    allowed. Raises InvalidFile with every fault of every file.
+    """
+    problems: list[Problem] = []
+    texts = dict(document.texts)
+    read: dict[str, Document] = {}
+    for place in places:
+        parts: dict[Pointer, Document] = {}
+        for pointer, path in _named(document.data, place):
+            span = document.span(pointer)
+            try:
+                source, text = open_text(span.source, path)
+                if source not in read or read[source].texts[source] != text:
+                    read[source] = parse(text, source)
+            except InvalidFile as error:
+                problems.extend(error.problems)
+                texts.update(error.texts)
+            except OSError as error:
+                reason = (error.strerror or str(error)).lower()
+                problems.append(Problem(span, f"cannot read '{path}': {reason}"))
+            except ValueError as error:
+                problems.append(Problem(span, f"cannot use '{path}': {error}"))
+            else:
+                parts[pointer] = read[source]
+        total = len(document.spans) + sum(len(part.spans) for part in parts.values())
+        if total > MOST_VALUES:
+            message = f"more than {MOST_VALUES} values, with the files it names"
+            raise InvalidFile([*problems, Problem(document.span(()), message)], texts)
+        document = embed_all(document, parts)
+        texts.update(document.texts)
+    if problems:
+        raise InvalidFile(problems, texts)
+    return document
+
+
+def _named(
+    data: object, place: tuple[str, ...], done: Pointer = ()
+) -> Iterator[tuple[Pointer, str]]:
+    if not place:
+        if isinstance(data, str) and data:
+            yield done, data
+        return
+    step, rest = place[0], place[1:]
+    if step == "*" and isinstance(data, list):
+        for index, item in enumerate(data):
+            yield from _named(item, rest, (*done, index))
+    elif step == "*" and isinstance(data, dict):
+        for key, item in data.items():
+            yield from _named(item, rest, (*done, key))
+    elif isinstance(data, dict) and step in data:
+        yield from _named(data[step], rest, (*done, step))

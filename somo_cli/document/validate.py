@@ -1,0 +1,408 @@
+"""A Document against a JSON Schema, as Problems; the only place jsonschema is known."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeAlias
+from urllib.parse import urljoin
+
+from jsonschema import Draft202012Validator
+from jsonschema.exceptions import ValidationError
+from jsonschema.validators import extend
+from referencing import Registry, Resource
+from referencing.jsonschema import DRAFT202012
+
+from somo_cli.document.parse import Document
+from somo_cli.problems import Pointer, Problem, in_reading_order
+
+_SUFFIX = ".schema.json"
+_FOLDERS = (
+    Path(__file__).parents[1] / "schemas",  # in the wheel
+    Path(__file__).parents[2] / "schemas",  # in a checkout
+)
+_KINDS = {
+    "object": "a mapping",
+    "array": "a list",
+    "string": "a string",
+    "number": "a number",
+    "integer": "a whole number",
+    "boolean": "true or false",
+    "null": "null",
+}
+_BOUNDS = {
+    "minimum": "at least",
+    "maximum": "at most",
+    "exclusiveMinimum": "greater than",
+    "exclusiveMaximum": "less than",
+    "multipleOf": "a multiple of",
+}
+_COUNTS = {
+    "minItems": ("at least", "value"),
+    "maxItems": ("at most", "value"),
+    "minProperties": ("at least", "key"),
+    "maxProperties": ("at most", "key"),
+    "minLength": ("at least", "character"),
+    "maxLength": ("at most", "character"),
+}
+
+_NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+
+Schema: TypeAlias = Mapping[str, Any]
+_Finding: TypeAlias = tuple[Pointer, bool, str, str]  # what, whether at its key, message, hint
+
+
+@cache
+def load_schema(name: str) -> Mapping[str, object]:
+    """Return the schema of that name, "manipulator" or "scene"."""
+    for folder in _FOLDERS:
+        path = folder / f"{name}{_SUFFIX}"
+        if path.is_file():
+            schema: Mapping[str, object] = json.loads(path.read_text("utf-8"))
+            return schema
+    raise FileNotFoundError(f"no schema named '{name}'")
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """A problem of shape, and the pointer it is about; that of a missing key leads to nothing."""
+
+    pointer: Pointer
+    problem: Problem
+
+
+def problems_in(document: Document, schema_name: str) -> tuple[Problem, ...]:
+    """Judge the shape of a document; return every problem, in reading order.
+
+    A schema may put "x-message" and "x-hint" beside a keyword to say it in its own words;
+    "{value}" in them stands for the value.
+    """
+    return in_reading_order(fault.problem for fault in faults_of_shape(document, schema_name))
+
+
+def faults_of_shape(document: Document, schema_name: str) -> tuple[Fault, ...]:
+    """Judge the shape of a document as `problems_in` does, and keep what each fault is about."""
+    errors = list(_validator(schema_name).iter_errors(document.data))
+    faults = dict.fromkeys(_Judge(document, schema_name).faults(errors))
+    sources = {source: place for place, source in enumerate(document.texts)}
+    order = in_reading_order(
+        sorted((fault.problem for fault in faults), key=lambda p: sources.get(p.span.source, 0))
+    )
+    rank = {problem: place for place, problem in enumerate(order)}
+    return tuple(sorted(faults, key=lambda fault: rank[fault.problem]))
+
+
+def soundness(faults: Iterable[Fault]) -> Callable[[Pointer], bool]:
+    """Return a test of whether no fault lies at a pointer or below it."""
+    unsound = _prefixes(fault.pointer for fault in faults)
+    return lambda pointer: pointer not in unsound
+
+
+class _Judge:
+    """Turns the errors of jsonschema into faults of one document."""
+
+    def __init__(self, document: Document, schema_name: str) -> None:
+        self._document = document
+        self._schema_name = schema_name
+
+    def faults(self, errors: Sequence[ValidationError]) -> Iterator[Fault]:
+        """Say each error in our words, without those that only follow from another."""
+        # A value of the wrong type breaks the other rules beside it as well.
+        mistyped = {_place(error) for error in errors if error.validator == "type"}
+        # A mapping with another fault fails its branches, and then their keys count as unknown.
+        unsound = _prefixes(
+            tuple(error.absolute_path)
+            for error in errors
+            if error.validator != "unevaluatedProperties"
+        )
+        for error in _strictest(errors):
+            if error.validator == "type" or _place(error) not in mistyped:
+                yield from self._judged(error, tuple(error.absolute_path) not in unsound)
+
+    def _judged(self, error: ValidationError, is_sound: bool) -> Iterator[Fault]:
+        schema = error.schema if isinstance(error.schema, Mapping) else {}
+        shown = _show(error.instance)
+        for pointer, at_key, message, hint in self._findings(error, is_sound):
+            message = str(schema.get("x-message", message)).replace("{value}", shown)
+            hint = str(schema.get("x-hint", hint)).replace("{value}", shown)
+            span = self._document.span(pointer, at_key)
+            yield Fault(pointer, Problem(span, message, hint))
+
+    def _findings(self, error: ValidationError, is_sound: bool) -> Iterator[_Finding]:
+        keyword = str(error.validator)
+        rule: Any = error.validator_value
+        value: Any = error.instance
+        schema: Any = error.schema
+        pointer: Pointer = tuple(error.absolute_path)
+        shown = _show(value)
+        at_key = "propertyNames" in error.absolute_schema_path and isinstance(value, str)
+        if at_key:
+            pointer = (*pointer, value)
+        if keyword == "additionalProperties":
+            yield from self._unknown(pointer, *_surplus(schema, value))
+        elif keyword == "unevaluatedProperties":
+            yield from self._unevaluated(pointer, error, is_sound)
+        elif keyword == "required":
+            for name in rule:
+                if name not in value:
+                    place = (*pointer, name)
+                    yield place, False, f"missing key '{name}'", self._about(place)
+        elif keyword == "dependentRequired":
+            for name, needed in rule.items():
+                for other in needed if name in value else ():
+                    if other not in value:
+                        message = f"'{name}' needs a key '{other}' beside it"
+                        yield (*pointer, name), True, message, self._about((*pointer, other))
+        elif keyword == "type":
+            kinds = [rule] if isinstance(rule, str) else rule
+            message = f"expected {_either(kinds)}, found {_found(value)}"
+            yield pointer, at_key, message, _retyped(value, kinds)
+        elif keyword in ("enum", "const"):
+            choices = rule if keyword == "enum" else [rule]
+            one_of = "one of " if len(choices) > 1 else ""
+            message = f"{shown} is not {one_of}{', '.join(_show(choice) for choice in choices)}"
+            names = [choice for choice in choices if isinstance(choice, str)]
+            yield pointer, at_key, message, _nearest(value, names)
+        elif keyword in _BOUNDS:
+            yield pointer, at_key, f"{shown} must be {_BOUNDS[keyword]} {_show(rule)}", ""
+        elif keyword in _COUNTS:
+            yield pointer, at_key, _miscounted(keyword, rule, value, schema), ""
+        elif keyword == "items" and rule is False:
+            room = _plural(len(schema.get("prefixItems", ())), "value")
+            yield pointer, at_key, f"expected at most {room}, found {len(value)}", ""
+        elif keyword == "pattern":
+            hint = _sentence(schema.get("description", "")) or self._about(pointer)
+            yield pointer, at_key, f"{shown} does not have the right form", hint or f"form: {rule}"
+        elif keyword == "uniqueItems":
+            yield pointer, at_key, "the same value stands in the list twice", "remove one of them"
+        elif keyword in ("anyOf", "oneOf"):
+            yield from self._branches(pointer, error)
+        elif keyword == "not" and rule == {} and pointer:
+            # Not a schema of false: jsonschema 4.26 does not say where that one stands.
+            yield pointer, True, f"key '{pointer[-1]}' does not belong here", ""
+        else:
+            yield pointer, at_key, f"{_found(value)} does not belong here", self._about(pointer)
+
+    def _unknown(
+        self, pointer: Pointer, unknown: Iterable[str], known: Sequence[str]
+    ) -> Iterator[_Finding]:
+        for key in unknown:
+            hint = _nearest(key, known) or f"known keys: {', '.join(known) or 'none'}"
+            yield (*pointer, key), True, f"unknown key '{key}'", hint
+
+    def _unevaluated(
+        self, pointer: Pointer, error: ValidationError, is_sound: bool
+    ) -> Iterator[_Finding]:
+        # jsonschema tells the keys nowhere but in its message.
+        keys: Any = error.instance
+        left = [key for key in keys if repr(key) in error.message]
+        views = _views(self._schema_name, load_schema(self._schema_name), pointer)
+        known = list(dict.fromkeys(key for view in views for key in view.get("properties", ())))
+        yield from self._unknown(pointer, [key for key in left if key not in known], known)
+        for key in left:
+            if key in known and is_sound:
+                yield (*pointer, key), True, f"key '{key}' does not belong here", ""
+
+    def _branches(self, pointer: Pointer, error: ValidationError) -> Iterator[_Finding]:
+        branches: dict[object, list[ValidationError]] = {}
+        for child in error.context or ():
+            branches.setdefault(child.schema_path[0], []).append(child)
+        found = _found(error.instance)
+        # The branch that was meant is the one the value is of the right kind for.
+        meant = [b for b in branches.values() if not any(_is_other_kind(child) for child in b)]
+        kinds: list[str] = []
+        for child in (child for branch in branches.values() for child in branch):
+            rule: Any = child.validator_value if child.validator == "type" else ()
+            kinds += [rule] if isinstance(rule, str) else rule
+        if not branches:
+            yield pointer, False, f"{found} fits more than one of the allowed forms", ""
+        elif len(meant) == 1:
+            for fault in self.faults(meant[0]):
+                at_key = self._document.span(fault.pointer, True) == fault.problem.span
+                yield fault.pointer, at_key, fault.problem.message, fault.problem.hint
+        elif not meant and kinds:
+            yield pointer, False, f"expected {_either(kinds)}, found {found}", ""
+        else:
+            schema: Any = error.schema
+            hint = _sentence(schema.get("description", ""))
+            yield pointer, False, f"{found} fits none of the allowed forms", hint
+
+    def _about(self, pointer: Pointer) -> str:
+        for view in _views(self._schema_name, load_schema(self._schema_name), pointer):
+            if "description" in view:
+                return _sentence(view["description"])
+        return ""
+
+
+def _prefixes(pointers: Iterable[Pointer]) -> set[Pointer]:
+    return {pointer[:length] for pointer in pointers for length in range(len(pointer) + 1)}
+
+
+def _place(error: ValidationError) -> tuple[Pointer, int]:
+    return tuple(error.absolute_path), id(error.schema)
+
+
+def _strictest(errors: Iterable[ValidationError]) -> Iterator[ValidationError]:
+    # A list of four is too long for three and for two; only the smaller number helps.
+    kept: dict[object, ValidationError] = {}
+    for error in errors:
+        rule: Any = error.validator_value
+        name: object = id(error)
+        if error.validator in _COUNTS:
+            name = (tuple(error.absolute_path), error.validator)
+            if name in kept:
+                other: Any = kept[name].validator_value
+                if (rule < other) == str(error.validator).startswith("min"):
+                    continue
+        kept[name] = error
+    yield from kept.values()
+
+
+def _surplus(schema: Schema, value: Mapping[str, object]) -> tuple[list[str], list[str]]:
+    # The keys that are unknown, and those that are known.
+    known = list(schema.get("properties", ()))
+    patterns = list(schema.get("patternProperties", ()))
+    unknown = [key for key in value if key not in known]
+    return [key for key in unknown if not any(re.search(p, key) for p in patterns)], known
+
+
+def _is_other_kind(error: ValidationError) -> bool:
+    return error.validator in ("type", "const", "enum") and len(error.relative_path) == 0
+
+
+def _views(
+    file: str, schema: object, pointer: Pointer, seen: frozenset[str] = frozenset()
+) -> Iterator[Schema]:
+    # Every subschema that may judge the value at a pointer, whatever its conditions.
+    if not isinstance(schema, Mapping):
+        return
+    if not pointer:
+        yield schema
+    elif isinstance(pointer[0], str):
+        below = schema.get("properties", {}).get(pointer[0], schema.get("additionalProperties"))
+        yield from _views(file, below, pointer[1:])
+    else:
+        first = schema.get("prefixItems", ())
+        below = first[pointer[0]] if pointer[0] < len(first) else schema.get("items")
+        yield from _views(file, below, pointer[1:])
+    reference = schema.get("$ref")
+    if isinstance(reference, str) and f"{file}:{reference}" not in seen:
+        seen |= {f"{file}:{reference}"}
+        other, _, way = reference.partition("#")
+        file = _name(other) if other else file
+        target: Any = load_schema(file)
+        for step in way.split("/")[1:]:
+            target = target[step.replace("~1", "/").replace("~0", "~")]
+        yield from _views(file, target, pointer, seen)
+    for group in ("allOf", "anyOf", "oneOf"):
+        for part in schema.get(group, ()):
+            yield from _views(file, part, pointer, seen)
+    for branch in ("then", "else"):
+        yield from _views(file, schema.get(branch), pointer, seen)
+
+
+def _is_whole(_: object, value: object) -> bool:
+    # JSON Schema takes 1.0 for an integer; range(1.0) does not.
+    return isinstance(value, int) and not isinstance(value, bool)
+
+
+@cache
+def _validator(name: str) -> Any:
+    checker = Draft202012Validator.TYPE_CHECKER.redefine("integer", _is_whole)
+    strict: Any = extend(  # type: ignore[no-untyped-call]
+        Draft202012Validator, type_checker=checker
+    )
+    resources: dict[str, Resource[Any]] = {}
+    waiting = [(str(load_schema(name).get("$id", "")), name)]
+    while waiting:
+        uri, current = waiting.pop()
+        if uri in resources:
+            continue
+        schema = load_schema(current)
+        resources[uri] = Resource.from_contents(schema, default_specification=DRAFT202012)
+        base = str(schema.get("$id", uri))
+        for reference in _references(schema):
+            other = reference.partition("#")[0]
+            if other:
+                waiting.append((urljoin(base, other), _name(other)))
+    registry: Registry[Any] = Registry().with_resources(resources.items()).crawl()
+    return strict(load_schema(name), registry=registry)
+
+
+def _references(schema: object) -> Iterator[str]:
+    if isinstance(schema, Mapping):
+        if isinstance(schema.get("$ref"), str):
+            yield schema["$ref"]
+        for part in schema.values():
+            yield from _references(part)
+    elif isinstance(schema, list):
+        for part in schema:
+            yield from _references(part)
+
+
+def _name(uri: str) -> str:
+    return uri.rsplit("/", 1)[-1].removesuffix(_SUFFIX)
+
+
+def _show(value: object) -> str:
+    if isinstance(value, bool) or value is None:
+        return {None: "null", True: "true", False: "false"}[value]
+    text = repr(value)
+    return text if len(text) <= 60 else text[:56] + " ..."
+
+
+def _found(value: object) -> str:
+    if isinstance(value, str):
+        return f"the string {_show(value)}"
+    if isinstance(value, dict):
+        return "a mapping"
+    if isinstance(value, list):
+        return "a list"
+    return "nothing" if value is None else _show(value)
+
+
+def _either(kinds: Sequence[str]) -> str:
+    names = list(dict.fromkeys(_KINDS[kind] for kind in kinds))
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} or {names[-1]}"
+
+
+def _retyped(value: object, kinds: Sequence[str]) -> str:
+    # What was probably meant by a value of the wrong type.
+    if "boolean" in kinds and isinstance(value, str):
+        return "write true or false"
+    if "integer" in kinds and isinstance(value, float) and value.is_integer():
+        return f"write {int(value)}"
+    if "string" in kinds and isinstance(value, int | float):
+        return "put it in quotes"
+    if isinstance(value, str) and not {"number", "integer"}.isdisjoint(kinds):
+        for text in (value, value.replace("_", ""), value.replace(",", ".")):
+            if _NUMBER.fullmatch(text):
+                return f"write {text}, without quotes" if text == value else f"write {text}"
+    return ""
+
+
+def _miscounted(keyword: str, rule: int, value: Any, schema: Schema) -> str:
+    bound, thing = _COUNTS[keyword]
+    exact = schema.get("min" + keyword[3:]) == schema.get("max" + keyword[3:])
+    bound = "" if exact else bound + " "
+    return f"expected {bound}{_plural(rule, thing)}, found {len(value)}"
+
+
+def _plural(count: int, thing: str) -> str:
+    return f"{count} {thing}" if count == 1 else f"{count} {thing}s"
+
+
+def _nearest(name: object, known: Sequence[str]) -> str:
+    close = get_close_matches(name, known, n=1) if isinstance(name, str) else []
+    return f"did you mean '{close[0]}'?" if close else ""
+
+
+def _sentence(description: str) -> str:
+    # The first sentence, as it stands after a colon.
+    text = re.split(r"\.(?:\s+(?=[A-Z])|$)", " ".join(description.split()), maxsplit=1)[0]
+    return text[:1].lower() + text[1:] if not text[1:2].isupper() else text

@@ -1,0 +1,116 @@
+"""The manipulator as a person describes it: frozen dataclasses, lengths along the backbone +z.
+
+Quantities are in the unit of the file: SI, where the file has a `world_scale`; what SoMo calls
+simulation units in a SoMo file, whose world scale is 1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from somo_cli.manipulator import solids
+from somo_cli.manipulator.dimensions import (
+    Angle,
+    AngularRate,
+    Damping,
+    Direction,
+    InertiaTensor,
+    Length,
+    Mass,
+    Number,
+    Position,
+    RollPitchYaw,
+    Scale,
+    Stiffness,
+    Torque,
+)
+from somo_cli.manipulator.solids import Solid
+
+ShapeType = Literal["box", "cylinder", "sphere", "stadium", "capsule"]
+JointType = Literal["revolute", "continuous", "fixed"]
+
+MAXIMUM_JOINTS = 121
+"""PyBullet 3.2.7 silently ignores every command to the 122nd joint of a body and later ones."""
+
+
+@dataclass(frozen=True, slots=True)
+class Material:
+    """A colour and its name; red, green, blue and opacity from 0 to 1."""
+
+    name: str
+    rgba: tuple[Number, Number, Number, Number]
+
+
+@dataclass(frozen=True, slots=True)
+class LinkDefinition:
+    """A rigid body of a primitive shape, centred on the backbone but for its offset.
+
+    `solid` is the part that has the mass: for a stadium the box between the rounded ends, for a
+    capsule the cylinder between its caps. `inertia` is None where the solid's own is meant.
+    """
+
+    shape_type: ShapeType
+    solid: Solid
+    mass: Mass
+    inertia: InertiaTensor | None
+    material: Material
+    offset: Position
+    offset_rpy: RollPitchYaw
+    visual_factor: Number
+
+    @property
+    def height(self) -> float:
+        """Extent along the backbone."""
+        return solids.height(self.solid)
+
+
+@dataclass(frozen=True, slots=True)
+class JointDefinition:
+    """A hinge with a spring, a damper and dry friction; `offset` moves it off the backbone."""
+
+    joint_type: JointType
+    axis: Direction
+    lower: Angle
+    upper: Angle
+    effort: Torque
+    velocity: AngularRate
+    stiffness: Stiffness
+    damping: Damping
+    neutral_position: Angle
+    friction: Torque
+    offset: Position
+
+
+@dataclass(frozen=True, slots=True)
+class ActuatorDefinition:
+    """`n_segments` joints between links of equal shape, the two end links of half the length.
+
+    `joints` has one entry per joint, base to tip; `channels` says for each which of the
+    actuator's axes drives it, and `spans` how much backbone it stands for.
+    """
+
+    link: LinkDefinition
+    joints: tuple[JointDefinition, ...]
+    channels: tuple[int, ...]
+    spans: tuple[Length, ...]
+
+    @property
+    def n_segments(self) -> int:
+        """Number of joints, SoMo's `n_segments`."""
+        return len(self.joints)
+
+
+@dataclass(frozen=True, slots=True)
+class Definition:
+    """A whole manipulator: an optional base, actuators in series, any number of tips."""
+
+    name: str
+    urdf_filename: str | None
+    base: LinkDefinition | None
+    actuators: tuple[ActuatorDefinition, ...]
+    tips: tuple[LinkDefinition, ...]
+
+
+WorldScale: TypeAlias = Scale | None
+"""None where the file does not say, which means 1."""

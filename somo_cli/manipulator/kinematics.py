@@ -1,0 +1,38 @@
+"""Where the links are: poses of all link frames from the base's pose and the joint angles."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator.chain import Chain
+from somo_cli.manipulator.geometry import Matrix, Vector
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """A frame in the world: where its origin is, and its axes as the columns of a rotation."""
+
+    position: Vector = geometry.ZERO
+    rotation: Matrix = geometry.IDENTITY
+
+    def point(self, local: Vector) -> Vector:
+        """Return the world coordinates of a point given in this frame."""
+        return geometry.add(self.position, geometry.rotate(self.rotation, local))
+
+
+def link_poses(chain: Chain, angles: Sequence[float], base: Pose) -> tuple[Pose, ...]:
+    """Return the pose in the world of every link frame, root first.
+
+    `angles` holds one angle [rad] per joint, base to tip; `base` is the pose of the root's URDF
+    frame. Positions are in the units of the chain.
+    """
+    poses = [base]
+    for joint, angle in zip(chain.joints, angles, strict=True):
+        parent = poses[-1]
+        rotation = geometry.multiply(
+            parent.rotation, geometry.rotation_about(joint.axis, angle)
+        )
+        poses.append(Pose(parent.point(joint.origin), rotation))
+    return tuple(poses)

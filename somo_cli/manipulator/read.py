@@ -1,0 +1,124 @@
+"""Document to Definition; total, once the schema and `meaning.faults` have found no error."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from somo_cli.document.parse import Document
+from somo_cli.manipulator.definition import (
+    ActuatorDefinition,
+    Definition,
+    JointDefinition,
+    LinkDefinition,
+    Material,
+    WorldScale,
+)
+from somo_cli.manipulator.dimensions import Scale
+from somo_cli.manipulator.geometry import Vector
+from somo_cli.manipulator.solids import Box, Cylinder, Solid, Sphere
+from somo_cli.problems import Pointer
+
+_GREY = (0.6, 0.6, 0.6, 1.0)
+
+
+def read(document: Document, at: Pointer = ()) -> Definition:
+    """Return the definition at a pointer of a document that has no faults."""
+    data: Any = document.at(at)
+    tips = data.get("tip_definitions") or []
+    if data.get("tip_definition"):
+        tips = [data["tip_definition"]]
+    base = data.get("base_definition")
+    return Definition(
+        name=data["manipulator_name"],
+        urdf_filename=(data.get("urdf_filename") or "").replace("\\", "/").split("/")[-1] or None,
+        base=link_from(base) if base else None,
+        actuators=tuple(_actuator(item) for item in data["actuator_definitions"]),
+        tips=tuple(link_from(tip) for tip in tips),
+    )
+
+
+def world_scale(document: Document, at: Pointer = ()) -> WorldScale:
+    """Return the `world_scale` of the mapping at a pointer, None if it has none."""
+    data: Any = document.at(at)
+    value = data.get("world_scale")
+    if value is None:
+        return None
+    if isinstance(value, Mapping):
+        return Scale(float(value.get("length", 1)), float(value.get("mass", 1)))
+    return Scale(float(value))
+
+
+def link_from(data: Mapping[str, Any]) -> LinkDefinition:
+    """Return the link that a sound mapping describes."""
+    inertia = data.get("inertial_values")
+    offset = data.get("origin_offset") or (0,) * 6
+    rgba = data.get("material_color") or _GREY
+    return LinkDefinition(
+        shape_type=data["shape_type"],
+        solid=_solid(data["shape_type"], [float(value) for value in data["dimensions"]]),
+        mass=float(data["mass"]),
+        inertia=None if inertia is None else _six(inertia),
+        material=Material(data.get("material_name") or "grey", _four(rgba)),
+        offset=_three(offset[:3]),
+        offset_rpy=_three(offset[3:]),
+        visual_factor=float(data.get("visual_geometry_scaling_factor") or 1.0),
+    )
+
+
+def _solid(shape_type: str, dimensions: list[float]) -> Solid:
+    if shape_type in ("box", "stadium"):
+        return Box(_three(dimensions))
+    if shape_type in ("cylinder", "capsule"):
+        return Cylinder(dimensions[0], dimensions[1])
+    return Sphere(dimensions[0])
+
+
+def _actuator(data: Mapping[str, Any]) -> ActuatorDefinition:
+    link = link_from(data["link_definition"])
+    definitions = [_joint(item) for item in data["joint_definitions"]]
+    count = int(data["n_segments"])
+    is_alternating = int(data.get("planar_flag", 1 if len(definitions) == 1 else 0)) == 0
+    turns = [index % len(definitions) for index in range(count)]
+    return ActuatorDefinition(
+        link=link,
+        joints=tuple(definitions[turn] for turn in turns),
+        channels=tuple(turns) if is_alternating else (0,) * count,
+        spans=((len(definitions) if is_alternating else 1) * link.height,) * count,
+    )
+
+
+def _joint(data: Mapping[str, Any]) -> JointDefinition:
+    # a joint without limits has lower > upper, which URDF readers take as unlimited too
+    lower, upper, effort, velocity = data.get("limits") or (0.0, -1.0, 0.0, 0.0)
+    if data["joint_type"] == "continuous":
+        lower, upper = 0.0, -1.0
+    offset = data.get("neutral_axis_offset") or (0,) * 6
+    return JointDefinition(
+        joint_type=data["joint_type"],
+        axis=_three(data.get("axis") or (1, 0, 0)),
+        lower=float(lower),
+        upper=float(upper),
+        effort=float(effort),
+        velocity=float(velocity),
+        stiffness=float(data.get("spring_stiffness") or 0),
+        damping=float(data.get("spring_damping") or 0),
+        neutral_position=float(data.get("joint_neutral_position") or 0),
+        friction=float(data.get("joint_control_limit_force") or 0),
+        offset=_three(offset[:3]),
+    )
+
+
+def _three(values: Any) -> Vector:
+    x, y, z = values
+    return (float(x), float(y), float(z))
+
+
+def _four(values: Any) -> tuple[float, float, float, float]:
+    r, g, b, a = values
+    return (float(r), float(g), float(b), float(a))
+
+
+def _six(values: Any) -> tuple[float, float, float, float, float, float]:
+    xx, xy, xz, yy, yz, zz = values
+    return (float(xx), float(xy), float(xz), float(yy), float(yz), float(zz))

@@ -1,0 +1,101 @@
+"""What a fault is: Span, Problem and the errors a person can put right; imports nothing of ours."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+Pointer: TypeAlias = tuple[str | int, ...]
+"""The way to a value from the root of a document, such as `("links", 0, "mass")`."""
+
+LINE_BREAK = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
+"""Where the lines of a text end for YAML, and so for a Span."""
+
+LARGEST_TEXT = 1_000_000
+"""The most a file of ours may hold [bytes]."""
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Span:
+    """A place in a text; line and column count from 1, the width is in characters."""
+
+    source: str
+    line: int
+    column: int
+    width: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One fault: where it is, what is wrong with the value in it, and what would be right."""
+
+    span: Span
+    message: str
+    hint: str = ""
+    severity: Literal["error", "warning"] = "error"
+
+    def __str__(self) -> str:
+        span = self.span
+        return f"{span.source}:{span.line}:{span.column}: {self.severity}: {self.message}"
+
+
+def in_reading_order(problems: Iterable[Problem]) -> tuple[Problem, ...]:
+    """Sort problems by source, line and column, and drop repetitions.
+
+    Sources keep the order in which they first appear; so do problems at one place.
+    """
+    unique = tuple(dict.fromkeys(problems))
+    rank = {
+        source: place for place, source in enumerate(dict.fromkeys(p.span.source for p in unique))
+    }
+    return tuple(sorted(unique, key=lambda p: (rank[p.span.source], p.span.line, p.span.column)))
+
+
+class SomoError(Exception):
+    """Anything the user can put right."""
+
+
+class InvalidFile(SomoError):
+    """Every fault of one stage; `texts` maps a source to its text, for the caret lines."""
+
+    def __init__(self, problems: Iterable[Problem], texts: Mapping[str, str] | None = None) -> None:
+        self.problems = in_reading_order(problems)
+        self.texts: Mapping[str, str] = dict(texts or {})
+        # Exceptions travel between processes by their args.
+        super().__init__(self.problems, self.texts)
+
+    def __str__(self) -> str:
+        return "\n".join(str(problem) for problem in self.problems)
+
+
+class SimulationDiverged(SomoError):
+    """The run left the region where its numbers mean anything, at `time` [s]."""
+
+    def __init__(self, step: int, time: float, joint: str, reason: str, hint: str = "") -> None:
+        self.step = step
+        self.time = time
+        self.joint = joint
+        self.reason = reason
+        self.hint = hint
+        super().__init__(step, time, joint, reason, hint)
+
+    def __str__(self) -> str:
+        return f"step {self.step} ({self.time:g} s): joint '{self.joint}': {self.reason}"
+
+
+class EngineRefused(SomoError):
+    """The engine would not take a body we compiled."""
+
+    def __init__(self, body: str, reason: str) -> None:
+        self.body = body
+        self.reason = reason
+        super().__init__(body, reason)
+
+    def __str__(self) -> str:
+        return f"the engine refused '{self.body}': {self.reason}"
+
+
+class EngineMissing(SomoError):
+    """The engine is not installed."""

@@ -1,0 +1,1 @@
+"""The file brought to life: scene, plan, spring-damper law, engine, recorder and run."""

@@ -1,0 +1,369 @@
+"""The world on headless PyBullet; the only place pybullet is known.
+
+Facts about PyBullet 3.2.7 that the code below depends on stand beside the lines they explain.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from functools import partial
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator.geometry import Vector
+from somo_cli.manipulator.kinematics import Pose
+from somo_cli.problems import EngineMissing, EngineRefused
+from somo_cli.simulation.plan import Body, Plan
+from somo_cli.simulation.readback import EngineJoint, EngineLink, mismatches
+from somo_cli.simulation.springs import Array
+
+UNLIMITED_RATE = 1e12  # rad/s; the engine's own clamp of 100 hides divergence
+
+
+class BulletWorld:
+    """A plan loaded into an engine of its own: bodies in the order of the plan."""
+
+    def __init__(self, plan: Plan) -> None:
+        self._plan = plan
+        self._bullet: Any = None
+        self._client = -1
+        self.bodies: list[BulletBody] = []
+        self.step: Callable[[], object] = self._refuse
+
+    def __enter__(self) -> BulletWorld:
+        with _captured_output() as said:
+            self._bullet = _engine()
+            self._client = self._bullet.connect(self._bullet.DIRECT)
+            try:
+                self._set_up()
+            except self._bullet.error as error:
+                self.close()
+                raise EngineRefused(self._loading(), f"{error} {said()}".strip()) from error
+            except BaseException:
+                self.close()
+                raise
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Leave the engine."""
+        if self._client >= 0:
+            self._bullet.disconnect(physicsClientId=self._client)
+            self._client = -1
+
+    @staticmethod
+    def _refuse() -> None:
+        raise RuntimeError("the world is entered before it is stepped")
+
+    def _set_up(self) -> None:
+        # advances every body by one time step; torques last for one step
+        self.step = partial(self._bullet.stepSimulation, self._client)
+        # the cache would serve an old file under a known name, even after a reset
+        self._bullet.setPhysicsEngineParameter(
+            enableFileCaching=0, fixedTimeStep=self._plan.time_step, physicsClientId=self._client
+        )
+        self._bullet.setGravity(*self._plan.gravity, physicsClientId=self._client)
+        with tempfile.TemporaryDirectory(prefix="somo-") as folder:
+            for number, body in enumerate(self._plan.bodies):
+                path = Path(folder) / f"{number}.urdf"
+                path.write_text(body.urdf, encoding="utf-8")
+                self.bodies.append(BulletBody(self._bullet, self._client, body, str(path)))
+
+    def _loading(self) -> str:
+        return self._plan.bodies[min(len(self.bodies), len(self._plan.bodies) - 1)].name
+
+
+class BulletBody:
+    """One manipulator in the engine; joints in the order of its chain, engine units."""
+
+    def __init__(self, bullet: Any, client: int, body: Body, path: str) -> None:
+        self._bullet = bullet
+        self._client = client
+        self._body = body
+        self._orientation = bullet.getQuaternionFromEuler(body.start.rpy)
+        # self-collision stays off; the inertia must come from the file, or the engine computes
+        # its own from the collision shapes
+        flags = bullet.URDF_USE_INERTIA_FROM_FILE | bullet.URDF_USE_IMPLICIT_CYLINDER
+        self.index: int = bullet.loadURDF(
+            path,
+            useFixedBase=body.base == "static",
+            flags=flags,
+            physicsClientId=client,
+        )
+        self._joints = self._joint_indices()
+        self._is_free = body.base == "free"
+        # bound once, without a Python frame of ours between loop and engine: one tuple per joint,
+        # base to tip, that starts with angle and rate
+        self.joint_states: Callable[[], Any] = partial(
+            bullet.getJointStates, self.index, self._joints, client
+        )
+        self._set_torques = partial(
+            bullet.setJointMotorControlArray,
+            self.index,
+            self._joints,
+            bullet.TORQUE_CONTROL,
+            physicsClientId=client,
+        )
+        self._read_back()
+        self._release()
+        self._com_in_base, self._inertial_in_base = self._base_inertial_frame()
+        self.reset(body.start.angles, body.start.rates)
+        if body.base == "constrained":
+            self._hold_base()
+
+    def apply(self, torques: Sequence[float]) -> None:
+        """Apply joint torques, base to tip, during the next step."""
+        self._set_torques(forces=torques)
+
+    def mass_matrix(self, angles: Sequence[float]) -> Array:
+        """Return the joint-space inertia at these angles, shape (n, n).
+
+        For a free base it is the Schur complement in which the base is eliminated: what the
+        joints feel when nothing holds the base. A constrained base is held within the step.
+        """
+        matrix = self._full_mass_matrix(angles)
+        n = len(self._joints)
+        if len(matrix) == n:
+            return matrix
+        base, across, joints = matrix[:6, :6], matrix[:6, 6:], matrix[6:, 6:]
+        if not self._is_free:
+            return joints
+        reduced: Array = joints - across.T @ np.linalg.solve(base, across)
+        return (reduced + reduced.T) / 2
+
+    def _full_mass_matrix(self, angles: Sequence[float]) -> Array:
+        # the base's rows, if it can move, come first: angular, then linear
+        return np.array(
+            self._bullet.calculateMassMatrix(self.index, angles, physicsClientId=self._client)
+        )
+
+    def bias(self, angles: Sequence[float], rates: Sequence[float]) -> Array:
+        """Return the joint torques that gravity and Coriolis forces ask for, shape (n,).
+
+        Gravity is right only for a base that stands upright (the engine ignores the base's
+        orientation here), so take differences between rates at the same angles.
+        """
+        zeros = [0.0] * len(angles)
+        inverse = self._bullet.calculateInverseDynamics
+        if not self._is_free:
+            return np.array(inverse(self.index, angles, rates, zeros, self._client))
+        # seen in 3.2.7: the base's rates go in as (angular, linear) in its own frame, and its
+        # forces come out as (linear, angular); the mass matrix has (angular, linear)
+        _, orientation = self._bullet.getBasePositionAndOrientation(self.index, self._client)
+        spin = geometry.rotate(
+            _transposed(geometry.rotation_from_quaternion(orientation)), self.base_velocity()[1]
+        )
+        pose = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
+        forces = np.array(
+            inverse(
+                self.index,
+                [*pose, *angles],
+                [*spin, 0.0, 0.0, 0.0, *rates],
+                [0.0] * 6 + zeros,
+                self._client,
+            )
+        )
+        base = np.concatenate([forces[3:6], forces[:3]])
+        matrix = self._full_mass_matrix(angles)
+        reduced: Array = forces[6:] - matrix[6:, :6] @ np.linalg.solve(matrix[:6, :6], base)
+        return reduced
+
+    def base_pose(self) -> Pose:
+        """Return the pose in the world of the base's URDF frame; the engine tells the centre's."""
+        centre, orientation = self._bullet.getBasePositionAndOrientation(self.index, self._client)
+        rotation = geometry.multiply(
+            geometry.rotation_from_quaternion(orientation), _transposed(self._inertial_in_base)
+        )
+        offset = geometry.rotate(rotation, self._com_in_base)
+        return Pose(geometry.subtract(centre, offset), rotation)
+
+    def base_velocity(self) -> tuple[Vector, Vector]:
+        """Return the velocity of the base's centre of mass and its angular velocity, in world."""
+        linear, angular = self._bullet.getBaseVelocity(self.index, self._client)
+        return linear, angular
+
+    def reset(
+        self,
+        angles: Sequence[float],
+        rates: Sequence[float],
+        base_velocity: tuple[Vector, Vector] | None = None,
+    ) -> None:
+        """Put the body at its start pose with these joint angles and rates.
+
+        The base moves as the plan says, or with the velocity of its centre of mass and the
+        angular velocity given.
+        """
+        start = self._body.start
+        frame = Pose(start.position, geometry.rotation_from_rpy(start.rpy))
+        rotation = geometry.multiply(frame.rotation, self._inertial_in_base)
+        # setting the pose zeroes the velocity, so pose comes first
+        self._bullet.resetBasePositionAndOrientation(
+            self.index,
+            frame.point(self._com_in_base),
+            geometry.quaternion_from_rotation(rotation),
+            self._client,
+        )
+        if self._body.base != "static":
+            linear, angular = base_velocity or self._start_velocity(frame)
+            self._bullet.resetBaseVelocity(
+                self.index, linear, angular, physicsClientId=self._client
+            )
+        for joint, angle, rate in zip(self._joints, angles, rates, strict=True):
+            self._bullet.resetJointState(self.index, joint, angle, rate, self._client)
+
+    def _start_velocity(self, frame: Pose) -> tuple[Vector, Vector]:
+        """Return the start velocity of the base's centre of mass: v + ω x r, and ω."""
+        start = self._body.start
+        x, y, z = geometry.rotate(frame.rotation, self._com_in_base)
+        wx, wy, wz = start.angular_velocity
+        swing = (wy * z - wz * y, wz * x - wx * z, wx * y - wy * x)
+        return geometry.add(start.linear_velocity, swing), start.angular_velocity
+
+    def _joint_indices(self) -> list[int]:
+        bullet, client = self._bullet, self._client
+        by_name = {}
+        for index in range(bullet.getNumJoints(self.index, client)):
+            by_name[bullet.getJointInfo(self.index, index, client)[1].decode()] = index
+        missing = [joint.name for joint in self._body.chain.joints if joint.name not in by_name]
+        if missing or len(by_name) != len(self._body.chain.joints):
+            raise EngineRefused(self._body.name, f"{len(by_name)} joints, missing {missing}")
+        return [by_name[joint.name] for joint in self._body.chain.joints]
+
+    def _release(self) -> None:
+        """Switch off what is in nobody's model: engine damping, rate clamp, joint motors."""
+        bullet, body, client = self._bullet, self.index, self._client
+        for link in (-1, *self._joints):
+            bullet.changeDynamics(
+                body,
+                link,
+                linearDamping=0,
+                angularDamping=0,
+                jointDamping=0,
+                maxJointVelocity=UNLIMITED_RATE,
+                physicsClientId=client,
+            )
+        # every joint has a velocity motor by default; with zero force it is gone, with a force
+        # it is dry friction of that torque
+        for index, joint in zip(self._joints, self._body.chain.joints, strict=True):
+            bullet.setJointMotorControl2(
+                body,
+                index,
+                bullet.VELOCITY_CONTROL,
+                targetVelocity=0,
+                force=joint.friction,
+                physicsClientId=client,
+            )
+
+    def _hold_base(self) -> None:
+        start = self._body.start
+        frame = Pose(start.position, geometry.rotation_from_rpy(start.rpy))
+        inverse = _transposed(self._inertial_in_base)
+        origin = geometry.rotate(inverse, geometry.subtract(geometry.ZERO, self._com_in_base))
+        self._bullet.createConstraint(
+            self.index,
+            -1,
+            -1,
+            -1,
+            self._bullet.JOINT_FIXED,
+            [0, 0, 0],
+            origin,
+            start.position,
+            geometry.quaternion_from_rotation(inverse),
+            geometry.quaternion_from_rotation(frame.rotation),
+            physicsClientId=self._client,
+        )
+
+    def _base_inertial_frame(self) -> tuple[Vector, geometry.Matrix]:
+        dynamics = self._bullet.getDynamicsInfo(self.index, -1, self._client)
+        return dynamics[3], geometry.rotation_from_quaternion(dynamics[4])
+
+    def _read_back(self) -> None:
+        """Compare what the engine understood with what was compiled.
+
+        This catches a comma locale, an inertia the engine would not take, and cut numbers.
+        """
+        bullet, client = self._bullet, self._client
+        links, joints = [], []
+        for index, link in enumerate((-1, *self._joints)):
+            dynamics = bullet.getDynamicsInfo(self.index, link, client)
+            has_mass = index > 0 or self._body.base != "static"  # a static base reads as mass 0
+            links.append(EngineLink(dynamics[0], dynamics[3], dynamics[2]) if has_mass else None)
+            if index > 0:
+                told = bullet.getJointInfo(self.index, link, client)
+                # the engine tells the axis in the principal axes of the child
+                principal = geometry.rotation_from_quaternion(dynamics[4])
+                axis = geometry.rotate(principal, told[13])
+                joints.append(EngineJoint(told[16], axis, told[8], told[9]))
+        found = mismatches(self._body.chain, links, joints)
+        if found:
+            raise EngineRefused(self._body.name, "; ".join(found))
+
+
+def _engine() -> Any:
+    try:
+        import pybullet
+    except ImportError as error:
+        raise EngineMissing(
+            "the engine, PyBullet, is not installed for this Python "
+            f"({sys.version_info.major}.{sys.version_info.minor}); "
+            "build and check work without it"
+        ) from error
+    return pybullet
+
+
+def _transposed(r: geometry.Matrix) -> geometry.Matrix:
+    return (
+        (r[0][0], r[1][0], r[2][0]),
+        (r[0][1], r[1][1], r[2][1]),
+        (r[0][2], r[1][2], r[2][2]),
+    )
+
+
+@contextmanager
+def _captured_output() -> Iterator[Any]:
+    """Keep what the engine prints, in C, out of both streams; yield a function that tells it."""
+    with tempfile.TemporaryFile() as kept:
+        saved = {}
+        for descriptor in (1, 2):
+            with suppress(OSError):
+                saved[descriptor] = os.dup(descriptor)
+
+        def said() -> str:
+            _flush_c()
+            kept.seek(0)
+            lines = kept.read().decode(errors="replace").splitlines()
+            return " ".join(line for line in lines if "build time" not in line)
+
+        try:
+            sys.stdout.flush()
+            sys.stderr.flush()
+            for descriptor in saved:
+                os.dup2(kept.fileno(), descriptor)
+            yield said
+        finally:
+            _flush_c()
+            for descriptor, original in saved.items():
+                os.dup2(original, descriptor)
+                os.close(original)
+
+
+def _flush_c() -> None:
+    """Empty C's own buffers, so that its text lands where the stream points now."""
+    with suppress(OSError, AttributeError):
+        ctypes.CDLL(None).fflush(None)

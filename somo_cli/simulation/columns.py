@@ -1,0 +1,154 @@
+"""The columns of the CSV: their names, and their values in SI from the state of a body."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeAlias
+
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator.dimensions import Dimension
+from somo_cli.manipulator.kinematics import Pose, link_poses
+from somo_cli.simulation.plan import TORQUE, Body, Plan
+from somo_cli.simulation.scene import Quantity
+
+_XYZ = ("x_m", "y_m", "z_m")
+_XYZW = ("qx", "qy", "qz", "qw")
+
+
+@dataclass
+class State:
+    """One body at one instant, in engine units: angles, rates and actuation by joint."""
+
+    body: Body
+    angles: Sequence[float]
+    rates: Sequence[float]
+    actuation: Sequence[float]
+    base: Callable[[], Pose]
+
+    @cached_property
+    def base_pose(self) -> Pose:
+        """Pose of the base's URDF frame in the world; read only if a column needs it."""
+        return self.base()
+
+    @cached_property
+    def poses(self) -> tuple[Pose, ...]:
+        """Pose of every link frame in the world, root first."""
+        return link_poses(self.body.chain, self.angles, self.base_pose)
+
+
+@dataclass(frozen=True, slots=True)
+class Units:
+    """Engine units per SI unit."""
+
+    length: float
+    torque: float
+
+
+Reading: TypeAlias = Callable[[State, Units], Iterator[float]]
+
+
+def units_of(plan: Plan) -> Units:
+    """Return the factors that lead from SI to the units of a plan."""
+    return Units(plan.scale.factor(Dimension(length=1)), plan.scale.factor(TORQUE))
+
+
+def header(plan: Plan) -> list[str]:
+    """Return the name of every column, time first; each name ends with its unit."""
+    names = ["time_s"]
+    for body in plan.bodies:
+        for quantity in plan.columns:
+            names.extend(f"{body.name}.{name}" for name in _names(body, quantity))
+    return names
+
+
+def row(plan: Plan, units: Units, time: float, states: Sequence[State]) -> list[float]:
+    """Return one row of values in SI, in the order of the header."""
+    values = [time]
+    for state in states:
+        for quantity in plan.columns:
+            values.extend(_READINGS[quantity](state, units))
+    return values
+
+
+def _names(body: Body, quantity: Quantity) -> list[str]:
+    joints = [joint.name for joint in body.chain.joints]
+    links = [link.name for link in body.chain.links]
+    if quantity == "actuation":
+        return [f"actuator_{a}_axis_{x}.torque_nm" for a, x in _channels(body)]
+    suffixes: dict[Quantity, tuple[list[str], tuple[str, ...]]] = {
+        "joint_angles": (joints, ("angle_rad",)),
+        "joint_rates": (joints, ("rate_rad_per_s",)),
+        "spring_torques": (joints, ("spring_torque_nm",)),
+        "curvatures": (joints, ("curvature_per_m",)),
+        "link_positions": (links, _XYZ),
+        "link_orientations": (links, _XYZW),
+        "base_pose": (["base_pose"], _XYZ + _XYZW),
+        "tip_position": (["tip"], _XYZ),
+    }
+    owners, units = suffixes[quantity]
+    return [f"{owner}.{unit}" for owner in owners for unit in units]
+
+
+def _channels(body: Body) -> list[tuple[int, int]]:
+    return sorted({(joint.actuator, joint.channel) for joint in body.chain.joints})
+
+
+def _angles(state: State, units: Units) -> Iterator[float]:
+    yield from state.angles
+
+
+def _rates(state: State, units: Units) -> Iterator[float]:
+    yield from state.rates
+
+
+def _spring_torques(state: State, units: Units) -> Iterator[float]:
+    for joint, angle in zip(state.body.chain.joints, state.angles, strict=True):
+        yield -joint.stiffness * (angle - joint.neutral_position) / units.torque
+
+
+def _actuation(state: State, units: Units) -> Iterator[float]:
+    by_channel: dict[tuple[int, int], float] = {}
+    for joint, torque in zip(state.body.chain.joints, state.actuation, strict=True):
+        by_channel.setdefault((joint.actuator, joint.channel), torque)
+    for channel in _channels(state.body):
+        yield by_channel[channel] / units.torque
+
+
+def _curvatures(state: State, units: Units) -> Iterator[float]:
+    for joint, angle in zip(state.body.chain.joints, state.angles, strict=True):
+        yield angle / (joint.span / units.length)
+
+
+def _link_positions(state: State, units: Units) -> Iterator[float]:
+    for pose in state.poses:
+        yield from (coordinate / units.length for coordinate in pose.position)
+
+
+def _link_orientations(state: State, units: Units) -> Iterator[float]:
+    for pose in state.poses:
+        yield from geometry.quaternion_from_rotation(pose.rotation)
+
+
+def _base_pose(state: State, units: Units) -> Iterator[float]:
+    yield from (coordinate / units.length for coordinate in state.base_pose.position)
+    yield from geometry.quaternion_from_rotation(state.base_pose.rotation)
+
+
+def _tip_position(state: State, units: Units) -> Iterator[float]:
+    tip = state.poses[-1].point(state.body.chain.tip)
+    yield from (coordinate / units.length for coordinate in tip)
+
+
+_READINGS: dict[Quantity, Reading] = {
+    "joint_angles": _angles,
+    "joint_rates": _rates,
+    "spring_torques": _spring_torques,
+    "actuation": _actuation,
+    "curvatures": _curvatures,
+    "link_positions": _link_positions,
+    "link_orientations": _link_orientations,
+    "base_pose": _base_pose,
+    "tip_position": _tip_position,
+}

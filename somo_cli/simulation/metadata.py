@@ -1,0 +1,65 @@
+"""What a run was made of and by, as plain values for the `.meta.json` beside the CSV."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+from collections.abc import Mapping, Sequence
+from importlib.metadata import PackageNotFoundError, version
+
+from somo_cli import __version__
+from somo_cli.simulation.plan import Plan
+from somo_cli.simulation.run import Summary
+
+_ENGINES = ("pybullet", "pybullet-arm64")
+
+
+def metadata(
+    plan: Plan,
+    summary: Summary,
+    inputs: Mapping[str, str],
+    overrides: Sequence[str],
+    columns: Sequence[str],
+) -> dict[str, object]:
+    """Return versions, input hashes, step, integrator, scale and run time of a finished run.
+
+    `inputs` maps each file that was read to its text. All but the versions, the platform and the
+    run time is the same for the same input.
+    """
+    simulated = summary.steps * plan.time_step
+    return {
+        "somo": __version__,
+        "engine": _engine(),
+        "numpy": version("numpy"),
+        "python": platform.python_version(),
+        "platform": f"{platform.system()} {platform.machine()}",
+        "inputs": {
+            source: {"sha256": hashlib.sha256(text.encode()).hexdigest()}
+            for source, text in inputs.items()
+        },
+        "overrides": list(overrides),
+        "integrator": plan.integrator,
+        "time_step_s": plan.time_step,
+        "steps": summary.steps,
+        "record_every": plan.every,
+        "rows": summary.rows,
+        "columns": list(columns),
+        "world_scale": {"length": plan.scale.length, "mass": plan.scale.mass},
+        "manipulators": {
+            body.name: {"base": body.base, "joints": len(body.chain.joints)}
+            for body in plan.bodies
+        },
+        "simulated_time_s": simulated,
+        "run_time_s": summary.wall_time,
+        "steps_per_second": summary.steps / summary.wall_time if summary.wall_time > 0 else None,
+        "real_time_factor": simulated / summary.wall_time if summary.wall_time > 0 else None,
+    }
+
+
+def _engine() -> str:
+    for name in _ENGINES:
+        try:
+            return f"{name} {version(name)}"
+        except PackageNotFoundError:
+            continue
+    return "pybullet"

@@ -1,0 +1,126 @@
+"""Everything the scene needs, decided before any engine starts, in the engine's units."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from somo_cli.manipulator import urdf
+from somo_cli.manipulator.chain import Chain
+from somo_cli.manipulator.dimensions import (
+    Acceleration,
+    Angle,
+    AngularRate,
+    Dimension,
+    Length,
+    Scale,
+    Velocity,
+    scaled,
+)
+from somo_cli.simulation import signal
+from somo_cli.simulation.scene import Actuation, Base, Integrator, Manipulator, Quantity, Scene
+from somo_cli.simulation.signal import Signal
+
+TORQUE = Dimension(mass=1, length=2, time=-2)
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """A torque over time [engine units] and the joints of one body that it acts on."""
+
+    actuator: int
+    axis: int
+    joints: tuple[int, ...]
+    signal: Signal
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """Pose and motion of a body at time zero, in engine units; the base frame's, in the world."""
+
+    position: tuple[Length, Length, Length]
+    rpy: tuple[Angle, Angle, Angle]
+    linear_velocity: tuple[Velocity, Velocity, Velocity]
+    angular_velocity: tuple[AngularRate, AngularRate, AngularRate]
+    angles: tuple[Angle, ...]
+    rates: tuple[AngularRate, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """One manipulator, ready to load: `chain` in engine units, and the URDF of it.
+
+    The URDF has no shapes where nothing can touch: shapes cost the engine time and change
+    nothing, since every inertia is in the file.
+    """
+
+    name: str
+    base: Base
+    chain: Chain
+    urdf: str
+    start: Start
+    drives: tuple[Drive, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """The whole run: bodies, gravity [engine units], time step [s], and what is recorded."""
+
+    scale: Scale
+    time_step: float
+    gravity: tuple[Acceleration, Acceleration, Acceleration]
+    integrator: Integrator
+    bodies: tuple[Body, ...]
+    every: int
+    columns: tuple[Quantity, ...]
+
+
+def make_plan(scene: Scene) -> Plan:
+    """Return the plan of a scene; the only place where SI becomes engine units."""
+    acceleration = scene.scale.factor(Dimension(length=1, time=-2))
+    can_touch = len(scene.manipulators) > 1
+    gx, gy, gz = scene.gravity
+    return Plan(
+        scale=scene.scale,
+        time_step=scene.time_step,
+        gravity=(gx * acceleration, gy * acceleration, gz * acceleration),
+        integrator=scene.integrator,
+        bodies=tuple(_body(one, scene.scale, can_touch) for one in scene.manipulators),
+        every=scene.every,
+        columns=scene.columns,
+    )
+
+
+def _body(manipulator: Manipulator, scale: Scale, can_touch: bool) -> Body:
+    chain = scaled(manipulator.compiled.chain, scale)
+    start = Start(
+        manipulator.position,
+        manipulator.rpy,
+        manipulator.linear_velocity,
+        manipulator.angular_velocity,
+        manipulator.initial_angles,
+        manipulator.initial_rates,
+    )
+    return Body(
+        name=manipulator.name,
+        base=manipulator.base,
+        chain=chain,
+        urdf=urdf.render_for_engine(chain, with_collisions=can_touch),
+        start=scaled(start, scale),
+        drives=tuple(_drive(entry, chain, scale) for entry in manipulator.actuation),
+    )
+
+
+def _drive(actuation: Actuation, chain: Chain, scale: Scale) -> Drive:
+    factor = scale.factor(TORQUE)
+    waypoints = [(time, torque * factor) for time, torque in actuation.waypoints]
+    joints = tuple(
+        index
+        for index, joint in enumerate(chain.joints)
+        if (joint.actuator, joint.channel) == (actuation.actuator, actuation.axis)
+    )
+    return Drive(
+        actuation.actuator,
+        actuation.axis,
+        joints,
+        signal.through(waypoints, actuation.interpolation, actuation.repeat),
+    )

@@ -1,0 +1,120 @@
+"""The whole run on one screen: plan x world x recorder, step by step."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+from somo_cli.simulation import columns, watch
+from somo_cli.simulation.columns import State
+from somo_cli.simulation.plan import Plan
+from somo_cli.simulation.runner import STEPS_BETWEEN_LOOKS, Runner, World, begin
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """What happened: steps done, rows written, and the wall time of the stepping loop [s]."""
+
+    steps: int
+    rows: int
+    wall_time: float
+
+
+def run(
+    plan: Plan,
+    world: World,
+    write: Callable[[Iterable[float]], None],
+    steps: int,
+    clock: Callable[[], float],
+    advance: Callable[[int], None] = lambda done: None,
+) -> Summary:
+    """Simulate `steps` steps and write a row of SI values for every recorded one, start included.
+
+    Raises SimulationDiverged; the rows before it have been written.
+    """
+    runners = [
+        Runner(plan, body, world_body)
+        for body, world_body in zip(plan.bodies, world.bodies, strict=True)
+    ]
+    begin(plan, world, runners)
+    units = columns.units_of(plan)
+    needs_next_rates = plan.integrator == "implicit" and "joint_rates" in plan.columns
+    step = rows = 0
+    started = clock()
+    while True:
+        _actuate(plan, runners, step)
+        _watch(step, plan, runners)
+        advance(step)
+        for runner in runners:
+            runner.look()
+        is_recorded = step % plan.every == 0
+        states = [_state(runner) for runner in runners] if is_recorded else []
+        if step < steps or (is_recorded and needs_next_rates):
+            until = _next_look(plan, step, steps, is_recorded and needs_next_rates)
+            _step(plan, world, runners, step, until)
+        if is_recorded:
+            if needs_next_rates:
+                _centre_rates(states, runners)
+            write(columns.row(plan, units, step * plan.time_step, states))
+            rows += 1
+        if step >= steps:
+            return Summary(steps, rows, clock() - started)
+        step = until
+
+
+def _next_look(plan: Plan, step: int, steps: int, at_once: bool) -> int:
+    """Return the step up to which nothing but stepping happens."""
+    if at_once:
+        return step + 1
+    next_row = step - step % plan.every + plan.every
+    return min(step + STEPS_BETWEEN_LOOKS, next_row, max(steps, step + 1))
+
+
+def _step(plan: Plan, world: World, runners: Sequence[Runner], first: int, until: int) -> None:
+    """Advance from step `first`, whose actuation is set, to step `until`."""
+    advance = world.step
+    for runner in runners:
+        runner.push_corrected()
+    pushes = [runner.push for runner in runners]
+    pulls = [runner.pull for runner in runners]
+    is_steady = all(runner.is_steady for runner in runners)
+    for step in range(first, until):
+        if step > first:
+            if not is_steady:
+                _actuate(plan, runners, step)
+            for push in pushes:
+                push()
+        advance()
+        for pull in pulls:
+            pull()
+
+
+def _actuate(plan: Plan, runners: Sequence[Runner], step: int) -> None:
+    for runner in runners:
+        if not runner.is_steady:
+            runner.actuate(step * plan.time_step)
+
+
+def _watch(step: int, plan: Plan, runners: Sequence[Runner]) -> None:
+    """Stop a diverged run."""
+    totals = [runner.measure_energy() for runner in runners]
+    masses = [runner.mass for runner in runners]
+    watch.check(step, plan, [runner.energy for runner in runners], totals, masses)
+
+
+def _state(runner: Runner) -> State:
+    """Return a copy of the present state; a base that cannot move is read when a column asks."""
+    law = runner.law
+    base = runner.world_body.base_pose
+    if runner.body.base != "static":
+        pose = base()
+        base = lambda: pose  # noqa: E731
+    return State(
+        runner.body, law.angles.tolist(), law.rates.tolist(), runner.torques.tolist(), base
+    )
+
+
+def _centre_rates(states: Sequence[State], runners: Sequence[Runner]) -> None:
+    """Replace rates half a step before the instant by the mean with those half a step after."""
+    for state, runner in zip(states, runners, strict=True):
+        state.rates = (0.5 * (state.rates + runner.law.rates)).tolist()

@@ -1,0 +1,162 @@
+"""The scene as a person describes it, in SI, and `read(document)`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from somo_cli.document.edit import embed
+from somo_cli.document.parse import Document, parse
+from somo_cli.manipulator import read as manipulator_read
+from somo_cli.manipulator.compile import PLACES_OF_FILES as PLACES_IN_DEFINITION
+from somo_cli.manipulator.compile import Compiled, compile_sound
+from somo_cli.manipulator.dimensions import Scale
+from somo_cli.manipulator.geometry import Vector
+from somo_cli.problems import Pointer
+from somo_cli.simulation.signal import Interpolation
+
+Integrator = Literal["implicit", "euler", "explicit"]
+Base = Literal["static", "free", "constrained"]
+Quantity = Literal[
+    "joint_angles",
+    "joint_rates",
+    "spring_torques",
+    "actuation",
+    "link_positions",
+    "link_orientations",
+    "base_pose",
+    "tip_position",
+    "curvatures",
+]
+
+DEFAULT_TIME_STEP = 1e-3  # s
+DEFAULT_GRAVITY = (0.0, 0.0, -9.81)  # m/s²
+DEFAULT_COLUMNS: tuple[Quantity, ...] = ("joint_angles", "tip_position")
+
+PLACES_OF_FILES: tuple[tuple[str, ...], ...] = (
+    ("manipulators", "*", "definition"),
+    *(("manipulators", "*", "definition", *place) for place in PLACES_IN_DEFINITION),
+)
+"""Where a scene may name a file instead of holding a mapping."""
+
+
+@dataclass(frozen=True, slots=True)
+class Actuation:
+    """A torque [N·m] over time [s] on every joint of one actuator and axis."""
+
+    actuator: int
+    axis: int
+    waypoints: tuple[tuple[float, float], ...]
+    interpolation: Interpolation
+    repeat: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Manipulator:
+    """A compiled definition, where it stands [m, rad], how it starts [rad/s, m/s], what drives it.
+
+    Position and velocities are those of the base frame's origin, in the world frame.
+    """
+
+    name: str
+    compiled: Compiled
+    position: Vector
+    rpy: Vector
+    base: Base
+    initial_angles: tuple[float, ...]
+    initial_rates: tuple[float, ...]
+    linear_velocity: Vector
+    angular_velocity: Vector
+    actuation: tuple[Actuation, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """Everything a run needs but the number of steps; SI throughout."""
+
+    time_step: float
+    gravity: Vector
+    integrator: Integrator
+    scale: Scale
+    manipulators: tuple[Manipulator, ...]
+    every: int
+    columns: tuple[Quantity, ...]
+
+
+def is_scene(document: Document) -> bool:
+    """Tell a scene from a manipulator definition, by its keys."""
+    keys = set(document.data) if isinstance(document.data, dict) else set()
+    return "manipulators" in keys or not keys & {"manipulator_name", "actuator_definitions"}
+
+
+def scene_of_one(definition: Document) -> Document:
+    """Return the scene of one manipulator alone: fixed, under gravity, everything default."""
+    frame = parse("manipulators:\n  - definition: {}\n", "a scene of one")
+    return embed(frame, ("manipulators", 0, "definition"), definition)
+
+
+def read(document: Document) -> Scene:
+    """Return the scene of a document in which no error was found."""
+    data: Any = document.data
+    record = data.get("record", {})
+    manipulators = tuple(
+        _manipulator(document, index, item) for index, item in enumerate(data["manipulators"])
+    )
+    scale = manipulator_read.world_scale(document)
+    if scale is None:
+        scale = manipulators[0].compiled.scale or Scale()
+    return Scene(
+        time_step=float(data.get("time_step", DEFAULT_TIME_STEP)),
+        gravity=_vector(data.get("gravity", DEFAULT_GRAVITY)),
+        integrator=data.get("integrator", "implicit"),
+        scale=scale,
+        manipulators=manipulators,
+        every=int(record.get("every", 1)),
+        columns=tuple(dict.fromkeys(record.get("columns", DEFAULT_COLUMNS))),
+    )
+
+
+def _manipulator(document: Document, index: int, data: Any) -> Manipulator:
+    compiled = compile_sound(document, ("manipulators", index, "definition"), ())
+    count = len(compiled.chain.joints)
+    return Manipulator(
+        name=name_of(data),
+        compiled=compiled,
+        position=_vector(data.get("position", (0, 0, 0))),
+        rpy=_vector(data.get("rpy", (0, 0, 0))),
+        base=data.get("base", "static"),
+        initial_angles=per_joint(data.get("initial_angles", 0), count),
+        initial_rates=per_joint(data.get("initial_rates", 0), count),
+        linear_velocity=_vector(data.get("linear_velocity", (0, 0, 0))),
+        angular_velocity=_vector(data.get("angular_velocity", (0, 0, 0))),
+        actuation=tuple(_actuation(item) for item in data.get("actuation", ())),
+    )
+
+
+def name_of(data: Any) -> str:
+    """Return the name of a manipulator of a scene: its own, else its definition's."""
+    return str(data.get("name", data["definition"]["manipulator_name"]))
+
+
+def per_joint(value: Any, count: int) -> tuple[float, ...]:
+    """Return one number per joint from one number for all, or from a list of them."""
+    return tuple(map(float, value)) if isinstance(value, list) else (float(value),) * count
+
+
+def _actuation(data: Any) -> Actuation:
+    if "torque" in data:
+        waypoints: tuple[tuple[float, float], ...] = ((0.0, float(data["torque"])),)
+    else:
+        waypoints = tuple((float(time), float(torque)) for time, torque in data["waypoints"])
+    return Actuation(
+        actuator=int(data["actuator"]),
+        axis=int(data["axis"]),
+        waypoints=waypoints,
+        interpolation=data.get("interpolation", "linear"),
+        repeat=bool(data.get("repeat", False)),
+    )
+
+
+def _vector(values: Any) -> Vector:
+    x, y, z = values
+    return (float(x), float(y), float(z))

@@ -1,0 +1,185 @@
+"""What a person sees on standard error: problems with their source lines, and progress."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+import time
+import unicodedata
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+
+from somo_cli.problems import LINE_BREAK, Problem
+
+_WIDEST = 100  # columns of a source line
+_LONGEST = 2000  # characters of a message
+_MOST = 500  # problems
+_PAUSE = 0.1  # between two drawings of the progress bar [s]
+
+# GitHub runs such lines as commands, after stripping blanks.
+_COMMAND = re.compile(r"^\s*(?P<double>:)(?=:)|(?P<hash>#)(?=#\[)")
+
+
+def say_problems(problems: Iterable[Problem], texts: Mapping[str, str]) -> None:
+    """Write problems to standard error, each with its source line and a caret."""
+    known = tuple(problems)
+    lines: dict[str, list[str]] = {}
+    written: list[tuple[str, str]] = []
+    for problem in known[:_MOST]:
+        source = problem.span.source
+        if source not in lines:
+            lines[source] = LINE_BREAK.split(texts.get(source, ""))
+        written += _report(problem, lines[source])
+    if len(known) > _MOST:
+        written.append(("", f"and {len(known) - _MOST} more"))
+    _write(written)
+
+
+def say(message: str) -> None:
+    """Write one line to standard error."""
+    _write([("", _escaped(message))])
+
+
+@contextmanager
+def progress(total: int, description: str) -> Iterator[Callable[[int], None]]:
+    """Show how much of the total is done, on a terminal; elsewhere do nothing.
+
+    The callable given takes the number done so far.
+    """
+    if not _is_terminal() or os.environ.get("TERM") == "dumb":
+        yield _ignore
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    bar = Progress(
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        TextColumn("{task.completed:.0f}/{task.total:.0f}"),
+        TimeRemainingColumn(),
+        console=Console(stderr=True, no_color=_is_colourless()),
+        transient=True,
+        redirect_stdout=False,
+        redirect_stderr=False,
+    )
+    with bar:
+        task = bar.add_task(_escaped(description), total=total)
+        drawn = -_PAUSE
+
+        def advance(done: int) -> None:
+            nonlocal drawn
+            now = time.monotonic()
+            # A step of a simulation is shorter than an update of the bar.
+            if now - drawn >= _PAUSE or done >= total:
+                drawn = now
+                bar.update(task, completed=done)
+
+        yield advance
+
+
+def _ignore(done: int) -> None:
+    pass
+
+
+def _report(problem: Problem, source: Sequence[str]) -> list[tuple[str, str]]:
+    style = "bold red" if problem.severity == "error" else "bold yellow"
+    lines = [(style, _escaped(str(problem)))]
+    span = problem.span
+    written = source[span.line - 1] if 0 < span.line <= len(source) else ""
+    if written.strip():
+        line, carets = _excerpt(written, min(span.column - 1, len(written)), span.width)
+        lines += [("", "    " + line), (style, "    " + carets)]
+    if problem.hint:
+        lines.append(("cyan", "  hint: " + _escaped(problem.hint)))
+    return lines
+
+
+def _excerpt(line: str, column: int, width: int) -> tuple[str, str]:
+    # The line around a column, and the carets under it. A line may be a megabyte long, so it is
+    # cut roughly before it is measured.
+    start = max(0, column - _WIDEST)
+    cells = _cells(line[start : column + _WIDEST + 1])
+    widths = [_width(cell) for cell in cells]
+    column -= start
+    first = 0 if start else min(len(line) - len(line.lstrip()), column)
+    last = len(cells)
+    before = after = ""
+    if start or sum(widths[first:]) > _WIDEST:
+        room = _WIDEST - len("...  ...")
+        indent, first = first, max(first, _back(widths, column, room // 2))
+        last = _forth(widths, first, room)
+        before = "... " if start or first > indent else ""
+        after = " ..." if last < len(cells) or len(cells) < len(line) - start else ""
+    shown = "".join(cells[first:last]).rstrip()
+    carets = "^" * max(1, sum(widths[column : min(column + width, last)]))
+    return before + shown + after, " " * (len(before) + sum(widths[first:column])) + carets
+
+
+def _back(widths: list[int], column: int, room: int) -> int:
+    while column > 0 and room >= widths[column - 1]:
+        column -= 1
+        room -= widths[column]
+    return column
+
+
+def _forth(widths: list[int], first: int, room: int) -> int:
+    while first < len(widths) and room >= widths[first]:
+        room -= widths[first]
+        first += 1
+    return first
+
+
+def _escaped(text: str) -> str:
+    return "".join(_cells(text if len(text) <= _LONGEST else text[:_LONGEST] + " ..."))
+
+
+def _cells(line: str) -> list[str]:
+    # What is shown for each character.
+    cells = [" " if c == "\t" else c if c.isprintable() else _escape(c) for c in line]
+    for match in _COMMAND.finditer(line):
+        index = match.start(match.lastgroup or 0)
+        cells[index] = f"\\x{ord(line[index]):02x}"
+    return cells
+
+
+def _escape(character: str) -> str:
+    return character.encode("unicode_escape").decode("ascii")
+
+
+def _width(cell: str) -> int:
+    # In columns of a terminal.
+    if len(cell) > 1:
+        return len(cell)
+    if unicodedata.combining(cell):
+        return 0
+    return 2 if unicodedata.east_asian_width(cell) in "WF" else 1
+
+
+def _is_terminal() -> bool:
+    return sys.stderr is not None and not sys.stderr.closed and sys.stderr.isatty()
+
+
+def _is_colourless() -> bool:
+    return bool(os.environ.get("NO_COLOR")) or os.environ.get("TERM") == "dumb"
+
+
+def _write(lines: Iterable[tuple[str, str]]) -> None:
+    # Saying what went wrong must not go wrong itself.
+    if sys.stderr is None or sys.stderr.closed:
+        return
+    with suppress(OSError):
+        if _is_terminal() and not _is_colourless():
+            _write_coloured(lines)
+        else:
+            sys.stderr.write("".join(line + "\n" for _, line in lines))
+        sys.stderr.flush()
+
+
+def _write_coloured(lines: Iterable[tuple[str, str]]) -> None:
+    from rich.console import Console
+    from rich.text import Text
+
+    console = Console(stderr=True, highlight=False)
+    for style, line in lines:
+        console.print(Text(line, style=style), soft_wrap=True)

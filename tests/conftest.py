@@ -1,0 +1,74 @@
+"""What every test may ask for: the real command, and whether golden files are to be rewritten."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import somo_cli
+
+# Whatever makes typer, rich or Python itself speak differently in a pipe than on a fresh machine.
+_LOUD = (
+    "CI",
+    "CLICOLOR",
+    "CLICOLOR_FORCE",
+    "COLUMNS",
+    "FORCE_COLOR",
+    "GITHUB_ACTIONS",
+    "LINES",
+    "NO_COLOR",
+    "PYTHONWARNINGS",
+    "PY_COLORS",
+    "TERMINAL_WIDTH",
+    "TTY_COMPATIBLE",
+    "TTY_INTERACTIVE",
+)
+
+Somo = Callable[..., "subprocess.CompletedProcess[str]"]
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--rewrite-golden",
+        action="store_true",
+        help="write the golden files anew instead of comparing with them",
+    )
+
+
+@pytest.fixture
+def rewrite_golden(request: pytest.FixtureRequest) -> bool:
+    return bool(request.config.getoption("--rewrite-golden"))
+
+
+@pytest.fixture
+def somo(tmp_path: Path) -> Somo:
+    """Run the command in a process of its own: `somo("check", path)`; in `tmp_path` unless told."""
+    environment = {key: value for key, value in os.environ.items() if key not in _LOUD}
+    # The tree under test, wherever the command runs, installed or not.
+    environment["PYTHONPATH"] = str(Path(somo_cli.__file__).parents[1])
+    environment["TERM"] = "dumb"
+
+    def run(
+        *arguments: str | Path,
+        cwd: Path = tmp_path,
+        stdin: str = "",
+        env: dict[str, str] | None = None,
+        timeout: float = 120.0,  # s
+    ) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [sys.executable, "-m", "somo_cli", *map(str, arguments)],
+            cwd=cwd,
+            input=stdin,
+            env=environment | (env or {}),
+            timeout=timeout,
+            capture_output=True,
+            encoding="utf-8",
+            check=False,
+        )
+
+    return run

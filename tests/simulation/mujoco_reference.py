@@ -1,0 +1,59 @@
+"""The same chain in MuJoCo, an independent simulator, as a reference for motion without contact."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import mujoco
+import numpy as np
+
+from somo_cli.manipulator.chain import Chain
+from somo_cli.manipulator.urdf import render
+
+
+def model_of(chain: Chain, gravity: Sequence[float], time_step: float) -> mujoco.MjModel:
+    """Read our URDF into MuJoCo, which has no springs in URDF: they are set afterwards."""
+    text = render(chain).replace(
+        f'<robot name="{chain.name}">',
+        f'<robot name="{chain.name}"><mujoco><compiler fusestatic="true" '
+        'discardvisual="true" balanceinertia="false"/></mujoco>',
+    )
+    model = mujoco.MjModel.from_xml_string(text)
+    names = [
+        mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, index) for index in range(model.njnt)
+    ]
+    assert names == [joint.name for joint in chain.joints]
+    model.opt.gravity[:] = gravity
+    model.opt.timestep = time_step
+    model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    model.opt.disableflags |= (
+        mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
+    )
+    model.jnt_stiffness[:] = np.reshape(
+        [joint.stiffness for joint in chain.joints], (-1, *[1] * (model.jnt_stiffness.ndim - 1))
+    )
+    model.qpos_spring[:] = [joint.neutral_position for joint in chain.joints]
+    assert np.allclose(model.dof_damping.ravel(), [joint.damping for joint in chain.joints])
+    model.dof_frictionloss[:] = 0
+    return model
+
+
+def trajectory(
+    model: mujoco.MjModel,
+    torques: Callable[[float], Sequence[float]],
+    times: Sequence[float],
+    angles: Sequence[float] | float = 0.0,
+) -> np.ndarray:
+    """Return joint angles at the times, shape (len(times), n), from rest at `angles`."""
+    state = mujoco.MjData(model)
+    state.qpos[:] = angles
+    rows = []
+    step = 0
+    for time in times:
+        last = round(time / model.opt.timestep)
+        for step in range(step, last):
+            state.qfrc_applied[:] = torques((step + 0.5) * model.opt.timestep)
+            mujoco.mj_step(model, state)
+        step = last
+        rows.append(state.qpos.copy())
+    return np.array(rows)
