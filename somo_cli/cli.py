@@ -5,7 +5,7 @@ import json
 import os
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeVar
 
@@ -18,6 +18,7 @@ from somo_cli.problems import (
     InvalidFile,
     Problem,
     SimulationDiverged,
+    in_reading_order,
 )
 
 if TYPE_CHECKING:
@@ -146,9 +147,12 @@ def build(
     from somo_cli.manipulator.compile import compile_definition
     from somo_cli.manipulator.dimensions import Scale
 
-    _require(scale is None or 0 < scale < float("inf"), "--scale", "must be greater than 0")
-    _require(tip_frame is None or _is_name(tip_frame), "--tip-frame", "is not a safe name")
+    is_scale = scale is None or 0 < scale <= 1e6
+    _require(is_scale, "--scale", f"{scale} is not greater than 0 and at most 1e6")
+    is_name = tip_frame is None or _is_name(tip_frame)
+    _require(is_name, "--tip-frame", f"{tip_frame!r} is not a safe name")
     document = _load(definition, sets or [])
+    _refuse_scene(document)
     compiled = compile_definition(document)
     terminal.say_problems(compiled.warnings, document.texts)
     own = compiled.scale or Scale()
@@ -197,8 +201,9 @@ def run(
 
     Rows so far stay in FILE.partial when the run does not reach its end.
     """
-    _require(time_step is None or 0 < time_step <= 1, "--time-step", "must be in (0, 1]")
-    document = _load(scene, sets or [], is_for_run=True)
+    is_step = time_step is None or 0 < time_step <= 1
+    _require(is_step, "--time-step", f"{time_step} is not greater than 0 and at most 1")
+    document = _load(scene, sets or [])
     planned = _scene(document, every, time_step)
     _simulate(planned, document, steps, output or f"{Path(scene).stem}.csv", sets or [], quiet)
 
@@ -217,7 +222,7 @@ def check(
     is_unreadable = False
     for path in paths:
         try:
-            document, problems = _examine(path)
+            document = _load(path, ())
         except InvalidFile as error:
             found.extend(error.problems)
             texts.update(error.texts)
@@ -225,37 +230,62 @@ def check(
             is_unreadable = True
             terminal.say(f"somo: {error.filename or path}: {error.strerror or error}")
         else:
-            found.extend(problems)
+            found.extend(_judged(document))
             texts.update(document.texts)
+    found = list(in_reading_order(found, texts))
     if as_json:
         typer.echo(json.dumps([_plain(problem) for problem in found], indent=2))
     else:
         terminal.say_problems(found, texts)
-    has_errors = any(problem.severity == "error" for problem in found)
-    raise typer.Exit(5 if is_unreadable else int(has_errors))
+    raise typer.Exit(5 if is_unreadable else int(_has_errors(found)))
 
 
-def _load(path: str, sets: Sequence[str], is_for_run: bool = False) -> "Document":
-    """Read a definition or scene, put in the files it names, and override values.
+def _load(path: str, sets: Sequence[str]) -> "Document":
+    """Read a definition or scene, override values, and put in the files it names.
 
-    For a run a definition becomes the scene of that one manipulator.
+    Raises InvalidFile with every fault of the whole if a file cannot be put in.
     """
     from somo_cli.document.edit import override
-    from somo_cli.document.include import include
     from somo_cli.document.parse import parse
-    from somo_cli.manipulator.compile import PLACES_OF_FILES
 
-    document = parse(files.read_text(path), path)
-    places = PLACES_OF_FILES
-    if is_for_run:
-        from somo_cli.simulation import scene
-
-        if scene.is_scene(document):
-            places = scene.PLACES_OF_FILES
-    document = include(document, places, files.open_reference)
+    document = _with_parts(parse(files.read_text(path), path))
     for assignment in sets:
-        document = override(document, assignment)
+        document = _with_parts(override(document, assignment))
     return document
+
+
+def _with_parts(document: "Document") -> "Document":
+    from somo_cli.document.include import include
+    from somo_cli.manipulator import compile as compiler
+    from somo_cli.simulation import scene
+
+    is_scene = scene.is_scene(document)
+    places = scene.PLACES_OF_FILES if is_scene else compiler.PLACES_OF_FILES
+    document, problems = include(document, places, files.open_reference)
+    if problems:
+        raise InvalidFile([*problems, *_judged(document)], document.texts)
+    return document
+
+
+def _judged(document: "Document") -> tuple[Problem, ...]:
+    from somo_cli.manipulator import compile as compiler
+    from somo_cli.simulation import meaning, scene
+
+    return meaning.faults(document) if scene.is_scene(document) else compiler.faults(document)
+
+
+def _has_errors(problems: Iterable[Problem]) -> bool:
+    return any(problem.severity == "error" for problem in problems)
+
+
+def _refuse_scene(document: "Document") -> None:
+    from somo_cli.simulation import scene
+
+    if scene.is_scene(document):
+        place = document.span(("manipulators",), key=True)
+        hint = "somo run takes scenes; build the definitions that this one names"
+        problem = Problem(place, "this is a scene, not a manipulator definition", hint)
+        raise InvalidFile([problem], document.texts)
 
 
 def _scene(document: "Document", every: int | None, time_step: float | None) -> "Scene":
@@ -263,10 +293,11 @@ def _scene(document: "Document", every: int | None, time_step: float | None) -> 
 
     from somo_cli.simulation import meaning, scene
 
-    if not scene.is_scene(document):
+    problems = _judged(document)
+    if not scene.is_scene(document) and not _has_errors(problems):
         document = scene.scene_of_one(document)
-    problems = meaning.faults(document)
-    if any(problem.severity == "error" for problem in problems):
+        problems = meaning.faults(document)
+    if _has_errors(problems):
         raise InvalidFile(problems, document.texts)
     terminal.say_problems(problems, document.texts)
     read = scene.read(document)
@@ -299,9 +330,7 @@ def _simulate(
                 terminal.progress(steps, "simulating") as advance,
             ):
                 recorder = CsvRecorder(stream, names, flush_rows=output == "-")
-                summary = simulate(
-                    plan, world, recorder.write, steps, time.perf_counter, advance
-                )
+                summary = simulate(plan, world, recorder.write, steps, time.perf_counter, advance)
         except (SimulationDiverged, KeyboardInterrupt):
             if output != "-" and Path(f"{output}.partial").exists():
                 terminal.say(f"somo: the rows so far are in {output}.partial")
@@ -314,7 +343,7 @@ def _simulate(
         files.write_whole(_beside(output), json.dumps(about, indent=2) + "\n")
     if not quiet:
         terminal.say(
-            f"{output}: {summary.rows} rows of {len(names)} columns; "
+            f"{'standard output' if output == '-' else output}: {summary.rows} rows of {len(names)} columns; "
             f"{steps * plan.time_step:g} s in {summary.wall_time:.3g} s, "
             f"{about['steps_per_second'] or 0:.0f} steps per second"
         )
@@ -324,23 +353,6 @@ def _beside(output: str) -> str:
     path = Path(output)
     stem = path.name.removesuffix(".csv")
     return str(path.with_name(f"{stem}.meta.json"))
-
-
-def _examine(path: str) -> "tuple[Document, tuple[Problem, ...]]":
-    from somo_cli.document.include import include
-    from somo_cli.document.parse import parse
-    from somo_cli.manipulator import compile as compiler
-    from somo_cli.simulation import meaning, scene
-
-    document = parse(files.read_text(path), path)
-    is_scene = scene.is_scene(document)
-    places = scene.PLACES_OF_FILES if is_scene else compiler.PLACES_OF_FILES
-    judge = meaning.faults if is_scene else compiler.faults
-    try:
-        document = include(document, places, files.open_reference)
-    except InvalidFile as error:
-        raise InvalidFile([*error.problems, *judge(document)], error.texts) from error
-    return document, judge(document)
 
 
 def _plain(problem: Problem) -> dict[str, object]:

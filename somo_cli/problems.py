@@ -41,15 +41,17 @@ class Problem:
         return f"{span.source}:{span.line}:{span.column}: {self.severity}: {self.message}"
 
 
-def in_reading_order(problems: Iterable[Problem]) -> tuple[Problem, ...]:
+def in_reading_order(
+    problems: Iterable[Problem], sources: Iterable[str] = ()
+) -> tuple[Problem, ...]:
     """Sort problems by source, line and column, and drop repetitions.
 
-    Sources keep the order in which they first appear; so do problems at one place.
+    The sources given come first, the others in the order in which they first appear; problems at
+    one place keep their order.
     """
     unique = tuple(dict.fromkeys(problems))
-    rank = {
-        source: place for place, source in enumerate(dict.fromkeys(p.span.source for p in unique))
-    }
+    order = dict.fromkeys((*sources, *(problem.span.source for problem in unique)))
+    rank = {source: place for place, source in enumerate(order)}
     return tuple(sorted(unique, key=lambda p: (rank[p.span.source], p.span.line, p.span.column)))
 
 
@@ -61,8 +63,8 @@ class InvalidFile(SomoError):
     """Every fault of one stage; `texts` maps a source to its text, for the caret lines."""
 
     def __init__(self, problems: Iterable[Problem], texts: Mapping[str, str] | None = None) -> None:
-        self.problems = in_reading_order(problems)
         self.texts: Mapping[str, str] = dict(texts or {})
+        self.problems = in_reading_order(problems, self.texts)
         # Exceptions travel between processes by their args.
         super().__init__(self.problems, self.texts)
 

@@ -45,13 +45,17 @@ def rewrite_golden(request: pytest.FixtureRequest) -> bool:
     return bool(request.config.getoption("--rewrite-golden"))
 
 
-@pytest.fixture
-def somo(tmp_path: Path) -> Somo:
-    """Run the command in a process of its own: `somo("check", path)`; in `tmp_path` unless told."""
-    environment = {key: value for key, value in os.environ.items() if key not in _LOUD}
+@pytest.fixture(scope="session")
+def environment() -> dict[str, str]:
+    """The environment for processes of ours, the same on every machine."""
+    quiet = {key: value for key, value in os.environ.items() if key not in _LOUD}
     # The tree under test, wherever the command runs, installed or not.
-    environment["PYTHONPATH"] = str(Path(somo_cli.__file__).parents[1])
-    environment["TERM"] = "dumb"
+    return quiet | {"PYTHONPATH": str(Path(somo_cli.__file__).parents[1]), "TERM": "dumb"}
+
+
+@pytest.fixture
+def somo(tmp_path: Path, environment: dict[str, str]) -> Somo:
+    """Run the command in a process of its own: `somo("check", path)`; in `tmp_path` unless told."""
 
     def run(
         *arguments: str | Path,

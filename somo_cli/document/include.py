@@ -2,24 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 
 from somo_cli.document.edit import embed_all
 from somo_cli.document.parse import MOST_VALUES, Document, parse
 from somo_cli.problems import InvalidFile, Pointer, Problem
+
+_PATH = "paths are relative to the file that names them, and stay in its folder or below"
 
 
 def include(
     document: Document,
     places: Iterable[tuple[str, ...]],
     open_text: Callable[[str, str], tuple[str, str]],
-) -> Document:
-    """Read the file named at each place, and put its contents there.
+) -> tuple[Document, tuple[Problem, ...]]:
+    """Read the file named at each place, and put the mapping in it there.
 
     A place is a pointer in which "*" stands for every item; outer places come first, so that
     an included file may name files in turn. `open_text(naming_source, path)` gives
     `(source, text)`, or raises OSError, InvalidFile, or ValueError for a path that is not
-    allowed. Raises InvalidFile with every fault of every file.
+    allowed. Returns every fault of every file as well; what is at fault is not put in.
     """
     problems: list[Problem] = []
     texts = dict(document.texts)
@@ -31,26 +34,40 @@ def include(
             try:
                 source, text = open_text(span.source, path)
                 if source not in read or read[source].texts[source] != text:
-                    read[source] = parse(text, source)
+                    read[source] = _mapping(parse(text, source))
             except InvalidFile as error:
                 problems.extend(error.problems)
                 texts.update(error.texts)
             except OSError as error:
                 reason = (error.strerror or str(error)).lower()
-                problems.append(Problem(span, f"cannot read '{path}': {reason}"))
+                problems.append(Problem(span, f"cannot read '{path}': {reason}", _PATH))
             except ValueError as error:
-                problems.append(Problem(span, f"cannot use '{path}': {error}"))
+                problems.append(Problem(span, f"cannot use '{path}': {error}", _PATH))
             else:
                 parts[pointer] = read[source]
         total = len(document.spans) + sum(len(part.spans) for part in parts.values())
         if total > MOST_VALUES:
             message = f"more than {MOST_VALUES} values, with the files it names"
-            raise InvalidFile([*problems, Problem(document.span(()), message)], texts)
+            problems.append(Problem(document.span(()), message))
+            break
         document = embed_all(document, parts)
         texts.update(document.texts)
-    if problems:
-        raise InvalidFile(problems, texts)
-    return document
+    return replace(document, texts=texts), tuple(problems)
+
+
+def unread(document: Document, places: Iterable[tuple[str, ...]]) -> Sequence[Pointer]:
+    """Return the pointers to what still names a file."""
+    return [pointer for place in places for pointer, _ in _named(document.data, place)]
+
+
+def _mapping(part: Document) -> Document:
+    if isinstance(part.data, dict):
+        return part
+    found = "nothing" if part.data is None else f"only {part.data!r}"
+    if isinstance(part.data, list):
+        found = "a list"
+    problem = Problem(part.span(()), f"expected a mapping, found {found}")
+    raise InvalidFile([problem], part.texts)
 
 
 def _named(
@@ -64,8 +81,5 @@ def _named(
     if step == "*" and isinstance(data, list):
         for index, item in enumerate(data):
             yield from _named(item, rest, (*done, index))
-    elif step == "*" and isinstance(data, dict):
-        for key, item in data.items():
-            yield from _named(item, rest, (*done, key))
     elif isinstance(data, dict) and step in data:
         yield from _named(data[step], rest, (*done, step))

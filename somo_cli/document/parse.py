@@ -324,17 +324,27 @@ class _Walk:
         """Say what PyYAML found wrong, in our words where it has words of its own."""
         mark = error.problem_mark or error.context_mark
         found = error.problem or error.context or "not YAML"
+        start = self.place(error.context_mark) if error.context_mark else None
+        if start and re.match(_AT_ITS_START, found):
+            mark = error.context_mark
         span = self.place(mark) if mark else Span(self._source, 1, 1)
         for pattern, message, hint in _SYNTAX:
             match = re.match(pattern, found)
             if match:
+                if start:
+                    hint = hint.format(line=start.line, column=start.column)
                 return Problem(span, match.expand(message), hint)
-        hint = ""
-        if error.context and error.context_mark:
-            hint = f"{error.context} that starts on line {error.context_mark.line + 1}"
+        hint = (
+            f"{error.context} that starts on line {start.line}" if error.context and start else ""
+        )
         return Problem(span, found, hint)
 
 
+# What PyYAML notices only at the end of what began too early.
+_AT_ITS_START = r"could not find expected ':'|found unexpected end of stream"
+
+# What PyYAML says, as a pattern; what we say; and what would be right, which may tell the line and
+# column where the thing began that does not go on as it should.
 _SYNTAX = (
     (
         r"mapping values are not allowed",
@@ -348,17 +358,22 @@ _SYNTAX = (
         "put the value in quotes",
     ),
     (
-        r"expected <block end>, but found '(?:<(.*)>|(.*))'",
-        r"unexpected \1\2",
-        "check the indentation of this line and the line above",
+        r"expected <block end>, but found '<(?:block|scalar).*'",
+        "the indentation does not fit the lines above",
+        "lines that go with line {line} start in column {column}",
     ),
     (
-        r"could not find expected ':'",
-        "a ':' is missing after the key",
-        "check this line and the line above",
+        r"expected <block end>, but found '<?(.*?)>?'",
+        r"unexpected '\1'",
+        "check the indentation of this line and the line above",
     ),
-    (r"expected (',' or '.'), but got .*", r"expected \1", "check the brackets and quotes"),
-    (r"found unexpected end of stream", "the file ends inside a quoted string", "close the quote"),
+    (r"could not find expected ':'", "a ':' is missing after the key", "write 'key: value'"),
+    (
+        r"expected (',' or '.'), but got .*",
+        r"expected \1",
+        "the bracket opened on line {line}, column {column}, is not closed, or a comma is missing",
+    ),
+    (r"found unexpected end of stream", "this quote is not closed", "close it, or remove it"),
     (r"found undefined alias '(.*)'", r"alias '*\1' has no anchor '&\1' above it", ""),
     (r"second occurrence", "this anchor is already in use", "give it another name"),
 )

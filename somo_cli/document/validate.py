@@ -51,6 +51,8 @@ _COUNTS = {
     "maxLength": ("at most", "character"),
 }
 
+SMALLEST, LARGEST = 1e-20, 1e20  # numbers, in whatever unit
+
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 
 Schema: TypeAlias = Mapping[str, Any]
@@ -80,27 +82,45 @@ def problems_in(document: Document, schema_name: str) -> tuple[Problem, ...]:
     """Judge the shape of a document; return every problem, in reading order.
 
     A schema may put "x-message" and "x-hint" beside a keyword to say it in its own words;
-    "{value}" in them stands for the value.
+    "{value}" in them stands for the value, "{found}" for the value and its kind.
     """
-    return in_reading_order(fault.problem for fault in faults_of_shape(document, schema_name))
+    faults = faults_of_shape(document, schema_name)
+    return in_reading_order((fault.problem for fault in faults), document.texts)
 
 
 def faults_of_shape(document: Document, schema_name: str) -> tuple[Fault, ...]:
     """Judge the shape of a document as `problems_in` does, and keep what each fault is about."""
     errors = list(_validator(schema_name).iter_errors(document.data))
     faults = dict.fromkeys(_Judge(document, schema_name).faults(errors))
-    sources = {source: place for place, source in enumerate(document.texts)}
-    order = in_reading_order(
-        sorted((fault.problem for fault in faults), key=lambda p: sources.get(p.span.source, 0))
-    )
+    flawed = {fault.pointer for fault in faults}
+    extremes = _extremes(document, document.data)
+    faults |= dict.fromkeys(fault for fault in extremes if fault.pointer not in flawed)
+    order = in_reading_order((fault.problem for fault in faults), document.texts)
     rank = {problem: place for place, problem in enumerate(order)}
     return tuple(sorted(faults, key=lambda fault: rank[fault.problem]))
 
 
-def soundness(faults: Iterable[Fault]) -> Callable[[Pointer], bool]:
-    """Return a test of whether no fault lies at a pointer or below it."""
-    unsound = _prefixes(fault.pointer for fault in faults)
+def soundness(
+    faults: Iterable[Fault], missing: Iterable[Pointer] = ()
+) -> Callable[[Pointer], bool]:
+    """Return a test of whether nothing is at fault or missing at a pointer or below it."""
+    unsound = _prefixes([*(fault.pointer for fault in faults), *missing])
     return lambda pointer: pointer not in unsound
+
+
+def _extremes(document: Document, value: object, pointer: Pointer = ()) -> Iterator[Fault]:
+    # Numbers whose powers leave the range of floats.
+    if isinstance(value, dict):
+        for key, part in value.items():
+            yield from _extremes(document, part, (*pointer, key))
+    elif isinstance(value, list):
+        for index, part in enumerate(value):
+            yield from _extremes(document, part, (*pointer, index))
+    elif isinstance(value, int | float) and value and not SMALLEST <= abs(value) <= LARGEST:
+        excess = "small" if abs(value) < SMALLEST else "large"
+        hint = f"numbers other than 0 reach from {SMALLEST:g} to {LARGEST:g}"
+        problem = Problem(document.span(pointer), f"{_show(value)} is too {excess}", hint)
+        yield Fault(pointer, problem)
 
 
 class _Judge:
@@ -126,10 +146,11 @@ class _Judge:
 
     def _judged(self, error: ValidationError, is_sound: bool) -> Iterator[Fault]:
         schema = error.schema if isinstance(error.schema, Mapping) else {}
-        shown = _show(error.instance)
         for pointer, at_key, message, hint in self._findings(error, is_sound):
-            message = str(schema.get("x-message", message)).replace("{value}", shown)
-            hint = str(schema.get("x-hint", hint)).replace("{value}", shown)
+            if "x-message" in schema:
+                message = _filled(schema["x-message"], error.instance)
+            if "x-hint" in schema:
+                hint = _filled(schema["x-hint"], error.instance)
             span = self._document.span(pointer, at_key)
             yield Fault(pointer, Problem(span, message, hint))
 
@@ -148,8 +169,9 @@ class _Judge:
         elif keyword == "unevaluatedProperties":
             yield from self._unevaluated(pointer, error, is_sound)
         elif keyword == "required":
+            misspelt = self._misspelt(pointer, value)
             for name in rule:
-                if name not in value:
+                if name not in value and name not in misspelt:
                     place = (*pointer, name)
                     yield place, False, f"missing key '{name}'", self._about(place)
         elif keyword == "dependentRequired":
@@ -161,20 +183,23 @@ class _Judge:
         elif keyword == "type":
             kinds = [rule] if isinstance(rule, str) else rule
             message = f"expected {_either(kinds)}, found {_found(value)}"
-            yield pointer, at_key, message, _retyped(value, kinds)
+            yield pointer, at_key, message, _retyped(value, kinds) or self._about(pointer)
         elif keyword in ("enum", "const"):
             choices = rule if keyword == "enum" else [rule]
             one_of = "one of " if len(choices) > 1 else ""
             message = f"{shown} is not {one_of}{', '.join(_show(choice) for choice in choices)}"
             names = [choice for choice in choices if isinstance(choice, str)]
-            yield pointer, at_key, message, _nearest(value, names)
+            yield pointer, at_key, message, _nearest(value, names, 0.7) or self._about(pointer)
         elif keyword in _BOUNDS:
-            yield pointer, at_key, f"{shown} must be {_BOUNDS[keyword]} {_show(rule)}", ""
+            message = f"{shown} must be {_BOUNDS[keyword]} {_show(rule)}"
+            yield pointer, at_key, message, self._about(pointer)
         elif keyword in _COUNTS:
-            yield pointer, at_key, _miscounted(keyword, rule, value, schema), ""
+            message = _miscounted(keyword, rule, value, schema)
+            yield pointer, at_key, message, self._about(pointer)
         elif keyword == "items" and rule is False:
             room = _plural(len(schema.get("prefixItems", ())), "value")
-            yield pointer, at_key, f"expected at most {room}, found {len(value)}", ""
+            message = f"expected at most {room}, found {len(value)}"
+            yield pointer, at_key, message, self._about(pointer)
         elif keyword == "pattern":
             hint = _sentence(schema.get("description", "")) or self._about(pointer)
             yield pointer, at_key, f"{shown} does not have the right form", hint or f"form: {rule}"
@@ -201,7 +226,7 @@ class _Judge:
         # jsonschema tells the keys nowhere but in its message.
         keys: Any = error.instance
         left = [key for key in keys if repr(key) in error.message]
-        views = _views(self._schema_name, load_schema(self._schema_name), pointer)
+        views = self._views(pointer)
         known = list(dict.fromkeys(key for view in views for key in view.get("properties", ())))
         yield from self._unknown(pointer, [key for key in left if key not in known], known)
         for key in left:
@@ -233,10 +258,23 @@ class _Judge:
             yield pointer, False, f"{found} fits none of the allowed forms", hint
 
     def _about(self, pointer: Pointer) -> str:
-        for view in _views(self._schema_name, load_schema(self._schema_name), pointer):
+        # What the schema says of a value, else of the list it is in; of a file it says too much.
+        for view in self._views(pointer) if pointer else ():
             if "description" in view:
                 return _sentence(view["description"])
-        return ""
+        return self._about(pointer[:-1]) if pointer and isinstance(pointer[-1], int) else ""
+
+    def _misspelt(self, pointer: Pointer, value: Mapping[str, object]) -> set[str]:
+        # The keys that the unknown keys of a mapping were probably meant to be.
+        meant: set[str] = set()
+        for view in self._views(pointer):
+            if view.get("additionalProperties") is False:
+                unknown, known = _surplus(view, value)
+                meant.update(_closest(key, known) for key in unknown)
+        return meant
+
+    def _views(self, pointer: Pointer) -> Iterator[Schema]:
+        return _views(self._schema_name, load_schema(self._schema_name), pointer)
 
 
 def _prefixes(pointers: Iterable[Pointer]) -> set[Pointer]:
@@ -324,7 +362,10 @@ def _validator(name: str) -> Any:
         if uri in resources:
             continue
         schema = load_schema(current)
-        resources[uri] = Resource.from_contents(schema, default_specification=DRAFT202012)
+        # With its "$schema", a schema that another one refers to would be judged by the plain
+        # validator, for which 1.0 is an integer.
+        contents = {key: part for key, part in schema.items() if key != "$schema"}
+        resources[uri] = Resource.from_contents(contents, default_specification=DRAFT202012)
         base = str(schema.get("$id", uri))
         for reference in _references(schema):
             other = reference.partition("#")[0]
@@ -353,7 +394,11 @@ def _show(value: object) -> str:
     if isinstance(value, bool) or value is None:
         return {None: "null", True: "true", False: "false"}[value]
     text = repr(value)
-    return text if len(text) <= 60 else text[:56] + " ..."
+    return text if len(text) <= 60 else f"{text[:55]} ...{text[-1]}"
+
+
+def _filled(template: str, value: object) -> str:
+    return template.replace("{value}", _show(value)).replace("{found}", _found(value))
 
 
 def _found(value: object) -> str:
@@ -377,7 +422,7 @@ def _retyped(value: object, kinds: Sequence[str]) -> str:
         return "write true or false"
     if "integer" in kinds and isinstance(value, float) and value.is_integer():
         return f"write {int(value)}"
-    if "string" in kinds and isinstance(value, int | float):
+    if "string" in kinds and "object" not in kinds and isinstance(value, int | float):
         return "put it in quotes"
     if isinstance(value, str) and not {"number", "integer"}.isdisjoint(kinds):
         for text in (value, value.replace("_", ""), value.replace(",", ".")):
@@ -397,9 +442,14 @@ def _plural(count: int, thing: str) -> str:
     return f"{count} {thing}" if count == 1 else f"{count} {thing}s"
 
 
-def _nearest(name: object, known: Sequence[str]) -> str:
-    close = get_close_matches(name, known, n=1) if isinstance(name, str) else []
-    return f"did you mean '{close[0]}'?" if close else ""
+def _nearest(name: object, known: Sequence[str], likeness: float = 0.6) -> str:
+    close = _closest(name, known, likeness)
+    return f"did you mean '{close}'?" if close else ""
+
+
+def _closest(name: object, known: Sequence[str], likeness: float = 0.6) -> str:
+    close = get_close_matches(name, known, 1, likeness) if isinstance(name, str) else []
+    return close[0] if close else ""
 
 
 def _sentence(description: str) -> str:

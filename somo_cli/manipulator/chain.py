@@ -223,10 +223,16 @@ def _rounding(
 
 
 def _roll(box: Box, along: tuple[float, float]) -> tuple[Cylinder, Vector]:
-    """Return the cylinder along a direction of the cross-section, as large as the box allows."""
+    """Return a cylinder along a direction of the cross-section that fits into the box.
+
+    Along x or y it fills the box. Askew, its length and width are in the ratio of the chords
+    through the middle, and its corners touch a side.
+    """
     (x, y, _), (ax, ay) = box.size, (abs(along[0]), abs(along[1]))
     length = min(x / ax if ax > 1e-9 else math.inf, y / ay if ay > 1e-9 else math.inf)
     width = min(x / ay if ay > 1e-9 else math.inf, y / ax if ax > 1e-9 else math.inf)
+    fit = min(x / (length * ax + width * ay), y / (length * ay + width * ax))
+    length, width = fit * length, fit * width
     # rpy (0, π/2, yaw) takes z, the axis of a URDF cylinder, to (cos yaw, sin yaw, 0)
     return Cylinder(length, width / 2), (0.0, math.pi / 2, math.atan2(along[1], along[0]))
 

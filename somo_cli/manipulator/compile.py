@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from somo_cli.document.include import unread
 from somo_cli.document.parse import Document
 from somo_cli.document.validate import faults_of_shape, soundness
 from somo_cli.manipulator import chain, meaning, read, urdf
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.definition import Definition
 from somo_cli.manipulator.dimensions import Scale, scaled
-from somo_cli.problems import InvalidFile, Pointer, Problem
+from somo_cli.problems import InvalidFile, Pointer, Problem, in_reading_order
 
 PLACES_OF_FILES: tuple[tuple[str, ...], ...] = (
     ("actuator_definitions", "*"),
@@ -53,17 +54,16 @@ class Compiled:
 def faults(document: Document) -> tuple[Problem, ...]:
     """Return every error and warning about a definition, of shape and of meaning."""
     shape = faults_of_shape(document, "manipulator")
+    is_sound = soundness(shape, unread(document, PLACES_OF_FILES))
     problems = [fault.problem for fault in shape]
-    problems.extend(meaning.faults(document, (), soundness(shape)))
-    return tuple(problems)
+    problems.extend(meaning.faults(document, (), is_sound))
+    return in_reading_order(problems, document.texts)
 
 
 def compile_sound(document: Document, at: Pointer, warnings: tuple[Problem, ...]) -> Compiled:
     """Compile the definition at a pointer, in which no error was found."""
     definition = read.read(document, at)
-    return Compiled(
-        definition, chain.build(definition), read.world_scale(document, at), warnings
-    )
+    return Compiled(definition, chain.build(definition), read.world_scale(document, at), warnings)
 
 
 def compile_definition(document: Document) -> Compiled:

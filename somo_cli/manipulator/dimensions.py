@@ -70,7 +70,8 @@ def scaled(thing: Thing, scale: Scale) -> Thing:
 
     Raises TypeError for a field annotated with a bare float: its dimension is unknown.
     """
-    return typing.cast(Thing, _scaler(type(thing))(thing, scale))
+    kind: Any = type(thing)
+    return typing.cast(Thing, _scaler(kind)(thing, scale))
 
 
 @cache

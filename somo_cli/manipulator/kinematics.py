@@ -31,8 +31,6 @@ def link_poses(chain: Chain, angles: Sequence[float], base: Pose) -> tuple[Pose,
     poses = [base]
     for joint, angle in zip(chain.joints, angles, strict=True):
         parent = poses[-1]
-        rotation = geometry.multiply(
-            parent.rotation, geometry.rotation_about(joint.axis, angle)
-        )
+        rotation = geometry.multiply(parent.rotation, geometry.rotation_about(joint.axis, angle))
         poses.append(Pose(parent.point(joint.origin), rotation))
     return tuple(poses)

@@ -33,7 +33,7 @@ def faults(document: Document, at: Pointer, is_sound: IsSound) -> Iterator[Probl
     actuators = _items(data.get("actuator_definitions"))
     for index, _ in enumerate(actuators):
         yield from _actuator_faults(document, (*at, "actuator_definitions", index), is_sound)
-    yield from _joint_count_faults(document, (*at, "actuator_definitions"), is_sound)
+    yield from _joint_count_faults(document, (*at, "actuator_definitions"), actuators, is_sound)
 
 
 def _items(value: object) -> Sequence[Any]:
@@ -43,14 +43,14 @@ def _items(value: object) -> Sequence[Any]:
 def _top_level_faults(
     document: Document, at: Pointer, data: Mapping[str, Any], is_sound: IsSound
 ) -> Iterator[Problem]:
-    actuators = data.get("actuator_definitions")
-    if "n_act" in data and is_sound((*at, "n_act")) and isinstance(actuators, list):
-        if data["n_act"] != len(actuators):
-            yield Problem(
-                document.span((*at, "n_act")),
-                f"n_act is {data['n_act']}, but actuator_definitions has {len(actuators)}",
-                f"leave n_act out, or set it to {len(actuators)}",
-            )
+    actuators: Any = data.get("actuator_definitions")
+    has_count = "n_act" in data and is_sound((*at, "n_act")) and isinstance(actuators, list)
+    if has_count and data["n_act"] != len(actuators):
+        yield Problem(
+            document.span((*at, "n_act")),
+            f"n_act is {data['n_act']}, but actuator_definitions has {len(actuators)}",
+            f"leave n_act out, or set it to {len(actuators)}",
+        )
     if data.get("tip_definition") and data.get("tip_definitions"):
         yield Problem(
             document.span((*at, "tip_definition"), key=True),
@@ -95,23 +95,25 @@ def _count_faults(
         return
     flag = data.get("planar_flag", 1 if count == 1 else 0)
     place = document.span((*at, "joint_definitions"), key=True)
+    default = "" if "planar_flag" in data else ", the default,"
     if flag == 1 and count != 1:
         yield Problem(
             place,
             f"planar_flag 1 needs 1 joint definition, found {count}",
-            "use planar_flag 0 for several axes, 2 for one definition per joint",
+            "use planar_flag 0 for several axes, 2 for one definition per segment",
         )
     elif flag == 0 and count not in (2, 3):
         yield Problem(
             place,
-            f"planar_flag 0 needs 2 or 3 joint definitions, found {count}",
-            "use planar_flag 1 for a single joint definition, 2 for one per joint",
+            f"planar_flag 0{default} needs 2 or 3 joint definitions, found {count}",
+            "use planar_flag 1 for a single joint definition, 2 for one per segment",
         )
     elif flag == 2 and count != data["n_segments"]:
         yield Problem(
             place,
             f"planar_flag 2 needs one joint definition per segment, "
             f"found {count} for {data['n_segments']} segments",
+            "use planar_flag 1 for one joint definition, 0 for 2 or 3 that take turns",
         )
     elif flag == 2 and is_sound((*at, "joint_definitions")):
         axes = [joint.get("axis", [1, 0, 0]) for joint in data["joint_definitions"]]
@@ -144,13 +146,13 @@ def _length_faults(
         )
 
 
-def _joint_faults(
-    document: Document, at: Pointer, data: Mapping[str, Any]
-) -> Iterator[Problem]:
+def _joint_faults(document: Document, at: Pointer, data: Mapping[str, Any]) -> Iterator[Problem]:
     axis = data.get("axis")
     if axis is not None and geometry.norm(tuple(axis)) < 1e-12:
         yield Problem(
-            document.span((*at, "axis")), "axis has no length", "for example [1, 0, 0]"
+            document.span((*at, "axis")),
+            f"axis {list(axis)} has no length",
+            "give the direction of the axis, such as [1, 0, 0]",
         )
     limits = data.get("limits")
     if limits is None and data["joint_type"] == "revolute":
@@ -163,13 +165,14 @@ def _joint_faults(
         yield Problem(
             document.span((*at, "limits")),
             f"lower limit {limits[0]} is above upper limit {limits[1]}",
+            "limits are [lower, upper, effort, velocity]",
         )
     offset = data.get("neutral_axis_offset")
     if offset is not None and any(angle != 0 for angle in offset[3:]):
         yield Problem(
             document.span((*at, "neutral_axis_offset")),
             f"the angles of neutral_axis_offset must be 0, found {offset[3:]}",
-            "turn the joint with axis instead",
+            "choose the direction of the joint with axis",
         )
 
 
@@ -187,9 +190,7 @@ def _link_faults(document: Document, at: Pointer, is_sound: IsSound) -> Iterator
         yield from _inertia_faults(document, at, data)
 
 
-def _inertia_faults(
-    document: Document, at: Pointer, data: Mapping[str, Any]
-) -> Iterator[Problem]:
+def _inertia_faults(document: Document, at: Pointer, data: Mapping[str, Any]) -> Iterator[Problem]:
     link = link_from(data)
     assert link.inertia is not None
     place = document.span((*at, "inertial_values"))
@@ -225,9 +226,11 @@ def _inertia_faults(
             )
 
 
-def _joint_count_faults(document: Document, at: Pointer, is_sound: IsSound) -> Iterator[Problem]:
+def _joint_count_faults(
+    document: Document, at: Pointer, actuators: Sequence[Any], is_sound: IsSound
+) -> Iterator[Problem]:
     count = 0
-    for index, actuator in enumerate(_items(document.at(at))):
+    for index, actuator in enumerate(actuators):
         if not isinstance(actuator, Mapping) or not is_sound((*at, index, "n_segments")):
             return
         count += int(actuator.get("n_segments", 0))

@@ -6,6 +6,7 @@ Facts about PyBullet 3.2.7 that the code below depends on stand beside the lines
 from __future__ import annotations
 
 import ctypes
+import locale
 import os
 import sys
 import tempfile
@@ -40,7 +41,7 @@ class BulletWorld:
         self.step: Callable[[], object] = self._refuse
 
     def __enter__(self) -> BulletWorld:
-        with _captured_output() as said:
+        with _captured_output() as said, _decimal_points():
             self._bullet = _engine()
             self._client = self._bullet.connect(self._bullet.DIRECT)
             try:
@@ -75,8 +76,13 @@ class BulletWorld:
         # advances every body by one time step; torques last for one step
         self.step = partial(self._bullet.stepSimulation, self._client)
         # the cache would serve an old file under a known name, even after a reset
+        # the solver would be content with an error of 3e-4 engine units of impulse, which to a
+        # constraint, contact or dry friction of a small body is as good as any
         self._bullet.setPhysicsEngineParameter(
-            enableFileCaching=0, fixedTimeStep=self._plan.time_step, physicsClientId=self._client
+            enableFileCaching=0,
+            fixedTimeStep=self._plan.time_step,
+            solverResidualThreshold=0,
+            physicsClientId=self._client,
         )
         self._bullet.setGravity(*self._plan.gravity, physicsClientId=self._client)
         with tempfile.TemporaryDirectory(prefix="somo-") as folder:
@@ -107,19 +113,15 @@ class BulletBody:
             physicsClientId=client,
         )
         self._joints = self._joint_indices()
+        self._zeros = [0.0] * len(self._joints)
         self._is_free = body.base == "free"
+        self._base_to_joints: Array = np.zeros((len(self._joints), 6))
         # bound once, without a Python frame of ours between loop and engine: one tuple per joint,
         # base to tip, that starts with angle and rate
         self.joint_states: Callable[[], Any] = partial(
             bullet.getJointStates, self.index, self._joints, client
         )
-        self._set_torques = partial(
-            bullet.setJointMotorControlArray,
-            self.index,
-            self._joints,
-            bullet.TORQUE_CONTROL,
-            physicsClientId=client,
-        )
+        self.apply = self._make_apply()
         self._read_back()
         self._release()
         self._com_in_base, self._inertial_in_base = self._base_inertial_frame()
@@ -127,9 +129,15 @@ class BulletBody:
         if body.base == "constrained":
             self._hold_base()
 
-    def apply(self, torques: Sequence[float]) -> None:
-        """Apply joint torques, base to tip, during the next step."""
-        self._set_torques(forces=torques)
+    def _make_apply(self) -> Callable[[Sequence[float]], None]:
+        """Return the function that applies joint torques, base to tip, during the next step."""
+        index, joints, client = self.index, self._joints, self._client
+        control, mode = self._bullet.setJointMotorControlArray, self._bullet.TORQUE_CONTROL
+
+        def apply(torques: Sequence[float]) -> None:
+            control(index, joints, mode, forces=torques, physicsClientId=client)
+
+        return apply
 
     def mass_matrix(self, angles: Sequence[float]) -> Array:
         """Return the joint-space inertia at these angles, shape (n, n).
@@ -137,52 +145,76 @@ class BulletBody:
         For a free base it is the Schur complement in which the base is eliminated: what the
         joints feel when nothing holds the base. A constrained base is held within the step.
         """
-        matrix = self._full_mass_matrix(angles)
+        # the base's rows, if it can move, come first: angular, then linear, in its own frame
+        matrix = np.array(
+            self._bullet.calculateMassMatrix(self.index, angles, physicsClientId=self._client)
+        )
         n = len(self._joints)
         if len(matrix) == n:
             return matrix
         base, across, joints = matrix[:6, :6], matrix[:6, 6:], matrix[6:, 6:]
         if not self._is_free:
             return joints
-        reduced: Array = joints - across.T @ np.linalg.solve(base, across)
+        self._base_to_joints = np.linalg.solve(base, across).T
+        reduced: Array = joints - self._base_to_joints @ across
         return (reduced + reduced.T) / 2
 
-    def _full_mass_matrix(self, angles: Sequence[float]) -> Array:
-        # the base's rows, if it can move, come first: angular, then linear
-        return np.array(
-            self._bullet.calculateMassMatrix(self.index, angles, physicsClientId=self._client)
-        )
+    def bias(
+        self, angles: Sequence[float], rates: Sequence[float], spin: Sequence[float] = ()
+    ) -> Array:
+        """Return the forces that gravity and Coriolis terms ask for.
 
-    def bias(self, angles: Sequence[float], rates: Sequence[float]) -> Array:
-        """Return the joint torques that gravity and Coriolis forces ask for, shape (n,).
-
-        Gravity is right only for a base that stands upright (the engine ignores the base's
+        Shape (n,), the joint torques, with the base at rest; for a free base (6 + n,), with the
+        torque and the force on its centre of mass first, in its own axes, `spin` [rad/s] being
+        its angular velocity in the world. Gravity is right only for a base that stands upright (the engine ignores the
         orientation here), so take differences between rates at the same angles.
         """
-        zeros = [0.0] * len(angles)
         inverse = self._bullet.calculateInverseDynamics
-        if not self._is_free:
-            return np.array(inverse(self.index, angles, rates, zeros, self._client))
-        # seen in 3.2.7: the base's rates go in as (angular, linear) in its own frame, and its
-        # forces come out as (linear, angular); the mass matrix has (angular, linear)
-        _, orientation = self._bullet.getBasePositionAndOrientation(self.index, self._client)
-        spin = geometry.rotate(
-            _transposed(geometry.rotation_from_quaternion(orientation)), self.base_velocity()[1]
-        )
-        pose = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
+        if self._body.base == "static":
+            return np.array(inverse(self.index, angles, rates, self._zeros, self._client))
+        # seen in 3.2.7: base rates go in as (angular, linear) in the base's own axes, base forces
+        # come out as (linear, angular); linear rates change nothing here
+        in_world = _vector(spin) if self._is_free else geometry.ZERO
+        x, y, z = geometry.rotate(_transposed(self._base_axes()), in_world)
         forces = np.array(
             inverse(
                 self.index,
-                [*pose, *angles],
-                [*spin, 0.0, 0.0, 0.0, *rates],
-                [0.0] * 6 + zeros,
+                [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, *angles],
+                [x, y, z, 0.0, 0.0, 0.0, *rates],
+                [0.0] * 6 + self._zeros,
                 self._client,
             )
         )
-        base = np.concatenate([forces[3:6], forces[:3]])
-        matrix = self._full_mass_matrix(angles)
-        reduced: Array = forces[6:] - matrix[6:, :6] @ np.linalg.solve(matrix[:6, :6], base)
-        return reduced
+        if not self._is_free:
+            return forces[6:]
+        return np.concatenate([forces[3:6], forces[:3], forces[6:]])
+
+    def felt_by_joints(self, forces: Array) -> Array:
+        """Return the joint torques, shape (n,), that accelerate the joints as these forces do.
+
+        For a free base the forces, as `bias` gives them, include some on the base.
+        """
+        if not self._is_free:
+            return forces
+        felt: Array = forces[6:] - self._base_to_joints @ forces[:6]
+        return felt
+
+    def push_base(self, wrench: Array) -> None:
+        """Apply a torque and a force, shape (6,), to the base's centre of mass in the next step.
+
+        In the base's own axes, as `bias` gives them.
+        """
+        axes = self._base_axes()
+        torque = geometry.rotate(axes, _vector(wrench[:3]))
+        force = geometry.rotate(axes, _vector(wrench[3:]))
+        bullet, client, world = self._bullet, self._client, self._bullet.WORLD_FRAME
+        centre, _ = bullet.getBasePositionAndOrientation(self.index, client)
+        bullet.applyExternalForce(self.index, -1, force, centre, world, physicsClientId=client)
+        bullet.applyExternalTorque(self.index, -1, torque, world, physicsClientId=client)
+
+    def _base_axes(self) -> geometry.Matrix:
+        _, orientation = self._bullet.getBasePositionAndOrientation(self.index, self._client)
+        return geometry.rotation_from_quaternion(orientation)
 
     def base_pose(self) -> Pose:
         """Return the pose in the world of the base's URDF frame; the engine tells the centre's."""
@@ -296,7 +328,7 @@ class BulletBody:
     def _read_back(self) -> None:
         """Compare what the engine understood with what was compiled.
 
-        This catches a comma locale, an inertia the engine would not take, and cut numbers.
+        This catches an inertia the engine would not take, cut lines and misread numbers.
         """
         bullet, client = self._bullet, self._client
         links, joints = [], []
@@ -325,6 +357,11 @@ def _engine() -> Any:
             "build and check work without it"
         ) from error
     return pybullet
+
+
+def _vector(values: Sequence[float] | Array) -> Vector:
+    x, y, z = values
+    return (float(x), float(y), float(z))
 
 
 def _transposed(r: geometry.Matrix) -> geometry.Matrix:
@@ -361,6 +398,17 @@ def _captured_output() -> Iterator[Any]:
             for descriptor, original in saved.items():
                 os.dup2(original, descriptor)
                 os.close(original)
+
+
+@contextmanager
+def _decimal_points() -> Iterator[None]:
+    """Let C read a decimal point as one, as a program with a comma locale would not."""
+    own = locale.setlocale(locale.LC_NUMERIC)
+    locale.setlocale(locale.LC_NUMERIC, "C")
+    try:
+        yield
+    finally:
+        locale.setlocale(locale.LC_NUMERIC, own)
 
 
 def _flush_c() -> None:

@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
+from somo_cli.document.include import unread
 from somo_cli.document.parse import Document
 from somo_cli.document.validate import faults_of_shape, soundness
 from somo_cli.manipulator import meaning as manipulator_meaning
 from somo_cli.manipulator import read as manipulator_read
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.compile import compile_sound
+from somo_cli.manipulator.dimensions import Scale
 from somo_cli.manipulator.meaning import IsSound
-from somo_cli.problems import Pointer, Problem
-from somo_cli.simulation.scene import name_of, per_joint
+from somo_cli.problems import Pointer, Problem, in_reading_order
+from somo_cli.simulation.scene import PLACES_OF_FILES, name_of, per_joint
 
 
 def faults(document: Document) -> tuple[Problem, ...]:
     """Return every error and warning about a scene and the definitions in it."""
     shape = faults_of_shape(document, "scene")
-    problems = [fault.problem for fault in shape]
-    is_sound = soundness(shape)
+    is_sound = soundness(shape, unread(document, PLACES_OF_FILES))
+    scenes = _scenes_in_place_of_definitions(document)
+    problems = [fault.problem for fault in shape if fault.pointer[:3] not in scenes]
+    problems.extend(scenes.values())
     data = document.data
     manipulators = data.get("manipulators") if isinstance(data, Mapping) else None
     if isinstance(manipulators, list):
@@ -29,7 +33,24 @@ def faults(document: Document) -> tuple[Problem, ...]:
                 problems.extend(_manipulator_faults(document, index, item, is_sound))
         problems.extend(_name_faults(document, manipulators, is_sound))
         problems.extend(_scale_faults(document, manipulators, is_sound))
-    return tuple(problems)
+    return in_reading_order(problems, document.texts)
+
+
+def _scenes_in_place_of_definitions(document: Document) -> Mapping[Pointer, Problem]:
+    """Return what to say in place of everything that makes a scene no definition."""
+    data = document.data
+    manipulators = data.get("manipulators") if isinstance(data, Mapping) else None
+    scenes = {}
+    for index, item in enumerate(manipulators if isinstance(manipulators, list) else ()):
+        definition = item.get("definition") if isinstance(item, Mapping) else None
+        if isinstance(definition, Mapping) and "manipulators" in definition:
+            at: Pointer = ("manipulators", index, "definition")
+            scenes[at] = Problem(
+                document.span((*at, "manipulators"), key=True),
+                "this is a scene, not a manipulator definition",
+                "name a definition, which has actuator_definitions",
+            )
+    return scenes
 
 
 def _name_faults(
@@ -45,9 +66,9 @@ def _name_faults(
             continue
         name = str(item["name"]) if "name" in item else name_of(item)
         if name in seen:
-            place = document.span((*at, "name") if "name" in item else (*at, "definition"))
+            has_name = "name" in item
             yield Problem(
-                place,
+                document.span((*at, "name" if has_name else "definition"), key=not has_name),
                 f"two manipulators are called '{name}'",
                 "give each manipulator a name of its own",
             )
@@ -73,28 +94,36 @@ def _scale_faults(
         if not is_mapping or not is_sound((*at, "world_scale")):
             continue
         scale = manipulator_read.world_scale(document, at)
-        if index > 0 and scale != first:
+        scale = scale or Scale()
+        first = first or scale
+        if scale != first:
             yield Problem(
-                document.span(at),
-                "the definitions have different world scales",
+                document.span(at, key=True),
+                f"this definition has world scale {_shown(scale)}, the first one {_shown(first)}",
                 "give the scene a world_scale of its own",
             )
-        first = scale if index == 0 else first
+
+
+def _shown(scale: Scale) -> str:
+    of_mass = f" (mass {scale.mass:g})" if scale.mass != 1 else ""
+    return f"{scale.length:g}{of_mass}"
 
 
 def _manipulator_faults(
     document: Document, index: int, data: Mapping[str, Any], is_sound: IsSound
 ) -> Iterator[Problem]:
     at: Pointer = ("manipulators", index)
-    of_definition = list(manipulator_meaning.faults(document, (*at, "definition"), is_sound))
+    of_definition: list[Problem] = []
+    if "definition" in data:
+        of_definition.extend(manipulator_meaning.faults(document, (*at, "definition"), is_sound))
     yield from of_definition
     base = data.get("base", "static")
     for key in ("linear_velocity", "angular_velocity"):
         if key in data and base == "static":
             yield Problem(
                 document.span((*at, key), key=True),
-                f"{key} is for a base that can move",
-                "set base: free",
+                f"{key} is for a base that can move, this one is static",
+                "set base: free, or leave it out",
             )
     actuation = data.get("actuation")
     entries = actuation if isinstance(actuation, list) else []
@@ -110,18 +139,24 @@ def _manipulator_faults(
             yield from _reference_faults(document, (*at, "actuation"), entries, compiled.chain)
 
 
-def _torque_faults(
-    document: Document, at: Pointer, data: Mapping[str, Any]
-) -> Iterator[Problem]:
+def _torque_faults(document: Document, at: Pointer, data: Mapping[str, Any]) -> Iterator[Problem]:
     if ("torque" in data) == ("waypoints" in data):
-        message = "give either torque or waypoints" + (", not both" if "torque" in data else "")
-        yield Problem(document.span(at, key=True), message)
+        has_both = "torque" in data
+        yield Problem(
+            document.span((*at, "waypoints") if has_both else at, key=True),
+            "both torque and waypoints are given" if has_both else "missing torque or waypoints",
+            "torque holds all the time, waypoints are [time, torque] pairs: keep one of them"
+            if has_both
+            else "give a constant torque, or waypoints: [[time, torque], ...]",
+        )
         return
     if "torque" in data:
         for key in ("interpolation", "repeat"):
             if key in data:
                 yield Problem(
-                    document.span((*at, key), key=True), f"{key} has no meaning without waypoints"
+                    document.span((*at, key), key=True),
+                    f"{key} has no meaning beside a constant torque",
+                    "leave it out, or give waypoints in place of torque",
                 )
         return
     points = data["waypoints"]
@@ -130,6 +165,7 @@ def _torque_faults(
             yield Problem(
                 document.span((*at, "waypoints", number)),
                 f"time {points[number][0]} s does not come after {points[number - 1][0]} s",
+                "way-points are [time, torque], and each has a later time than the one before",
             )
     if data.get("repeat"):
         yield from _repeat_faults(document, at, data, points)
@@ -138,17 +174,25 @@ def _torque_faults(
 def _repeat_faults(
     document: Document, at: Pointer, data: Mapping[str, Any], points: list[Any]
 ) -> Iterator[Problem]:
-    if points[-1][0] <= 0 or points[0][0] < 0:
+    first, last = (*at, "waypoints", 0), (*at, "waypoints", len(points) - 1)
+    if points[0][0] < 0:
+        message = f"repeated way-points start at time {points[0][0]} s, before 0"
+        yield Problem(document.span(first), message, "start at time 0 or later")
+    if points[-1][0] <= 0:
+        message = f"repeated way-points have a period of {points[-1][0]} s"
+        hint = "the time of the last way-point is the period"
+        yield Problem(document.span(last), message, hint)
+    if data.get("interpolation") != "cubic":
+        return
+    if points[0][0] > 0:
+        message = f"a repeated cubic starts at time 0, not {points[0][0]} s"
+        yield Problem(document.span(first), message, "add a way-point at time 0")
+    if points[0][1] != points[-1][1]:
         yield Problem(
-            document.span((*at, "waypoints")),
-            "repeated way-points must lie between time 0 and the time of the last one, "
-            "which is the period",
-        )
-    is_cubic = data.get("interpolation") == "cubic"
-    if is_cubic and (points[0][1] != points[-1][1] or points[0][0] != 0):
-        yield Problem(
-            document.span((*at, "waypoints")),
-            "a repeated cubic must start at time 0 and end at the torque it starts with",
+            document.span(last),
+            f"a repeated cubic ends at the torque it starts with, {points[0][1]} N·m, "
+            f"not {points[-1][1]} N·m",
+            f"end with [{points[-1][0]}, {points[0][1]}], or use interpolation: linear",
         )
 
 
@@ -156,6 +200,7 @@ def _start_faults(
     document: Document, at: Pointer, data: Mapping[str, Any], chain: Chain, is_sound: IsSound
 ) -> Iterator[Problem]:
     count = len(chain.joints)
+    has_counts = True
     for key in ("initial_angles", "initial_rates"):
         values = data.get(key)
         if is_sound((*at, key)) and isinstance(values, list) and len(values) != count:
@@ -164,20 +209,32 @@ def _start_faults(
                 f"{key} has {len(values)} values for {count} joints",
                 "give one value per joint, base to tip, or one number for all",
             )
+            has_counts = False
+    if has_counts and is_sound((*at, "initial_angles")):
+        yield from _limit_faults(document, at, data.get("initial_angles"), chain)
+
+
+def _limit_faults(
+    document: Document, at: Pointer, initial_angles: Any, chain: Chain
+) -> Iterator[Problem]:
+    place = document.span((*at, "initial_angles"))
+    if initial_angles is None:
+        place = document.span((*at, "definition"), key=True)
+    angles = per_joint(initial_angles or 0, len(chain.joints))
+    for index, (joint, angle) in enumerate(zip(chain.joints, angles, strict=True)):
+        if not joint.is_limited or joint.lower <= angle <= joint.upper:
+            continue
+        is_list = isinstance(initial_angles, list)
+        yield Problem(
+            document.span((*at, "initial_angles", index)) if is_list else place,
+            f"joint '{joint.name}' starts at {angle:g} rad, outside its limits "
+            f"[{joint.lower:g}, {joint.upper:g}]",
+            "set initial_angles"
+            if initial_angles is None
+            else "start within the limits, or widen them in the definition",
+        )
+        if not is_list:  # one number for all joints is one fault
             return
-    if not is_sound((*at, "initial_angles")):
-        return
-    for joint, angle in zip(
-        chain.joints, per_joint(data.get("initial_angles", 0), count), strict=True
-    ):
-        if joint.is_limited and not joint.lower <= angle <= joint.upper:
-            key_or_item = "initial_angles" if "initial_angles" in data else "definition"
-            yield Problem(
-                document.span((*at, key_or_item)),
-                f"joint '{joint.name}' starts at {angle:g} rad, outside its limits "
-                f"[{joint.lower:g}, {joint.upper:g}]",
-                "set initial_angles",
-            )
 
 
 def _reference_faults(
@@ -191,17 +248,20 @@ def _reference_faults(
         actuator, axis = int(entry["actuator"]), int(entry["axis"])
         place = document.span((*at, number, "actuator"))
         if actuator not in axes:
-            known = ", ".join(map(str, sorted(axes)))
-            yield Problem(place, f"there is no actuator {actuator}", f"the actuators are {known}")
+            hint = _known("actuator", axes)
+            yield Problem(place, f"there is no actuator {actuator}", hint)
         elif axis not in axes[actuator]:
-            known = ", ".join(map(str, sorted(axes[actuator])))
-            yield Problem(
-                document.span((*at, number, "axis")),
-                f"actuator {actuator} has no axis {axis}",
-                f"its axes are {known}",
-            )
+            message = f"actuator {actuator} has no axis {axis}"
+            hint = _known("axis", axes[actuator])
+            yield Problem(document.span((*at, number, "axis")), message, hint)
         elif (actuator, axis) in seen:
             message = f"actuator {actuator}, axis {axis} is driven twice"
             yield Problem(place, message, "keep one entry, or add the torques")
         seen.add((actuator, axis))
 
+
+def _known(thing: str, numbers: Iterable[int]) -> str:
+    known = [str(number) for number in sorted(numbers)]
+    if len(known) == 1:
+        return f"the only {thing} is {known[0]}"
+    return f"the {'axes' if thing == 'axis' else thing + 's'} are {', '.join(known)}"

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from somo_cli.simulation import columns, watch
 from somo_cli.simulation.columns import State
+from somo_cli.simulation.free_base import FreeRunner
 from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.runner import STEPS_BETWEEN_LOOKS, Runner, World, begin
 
@@ -33,7 +34,7 @@ def run(
     Raises SimulationDiverged; the rows before it have been written.
     """
     runners = [
-        Runner(plan, body, world_body)
+        (FreeRunner if body.base == "free" else Runner)(plan, body, world_body)
         for body, world_body in zip(plan.bodies, world.bodies, strict=True)
     ]
     begin(plan, world, runners)
@@ -43,14 +44,15 @@ def run(
     started = clock()
     while True:
         _actuate(plan, runners, step)
-        _watch(step, plan, runners)
-        advance(step)
         for runner in runners:
             runner.look()
+        watch.check(step, plan, runners)
+        advance(step)
         is_recorded = step % plan.every == 0
         states = [_state(runner) for runner in runners] if is_recorded else []
         if step < steps or (is_recorded and needs_next_rates):
-            until = _next_look(plan, step, steps, is_recorded and needs_next_rates)
+            stride = 1 if is_recorded and needs_next_rates else STEPS_BETWEEN_LOOKS
+            until = min(step + stride, step - step % plan.every + plan.every, max(steps, step + 1))
             _step(plan, world, runners, step, until)
         if is_recorded:
             if needs_next_rates:
@@ -62,28 +64,22 @@ def run(
         step = until
 
 
-def _next_look(plan: Plan, step: int, steps: int, at_once: bool) -> int:
-    """Return the step up to which nothing but stepping happens."""
-    if at_once:
-        return step + 1
-    next_row = step - step % plan.every + plan.every
-    return min(step + STEPS_BETWEEN_LOOKS, next_row, max(steps, step + 1))
-
-
 def _step(plan: Plan, world: World, runners: Sequence[Runner], first: int, until: int) -> None:
     """Advance from step `first`, whose actuation is set, to step `until`."""
     advance = world.step
     for runner in runners:
-        runner.push_corrected()
+        runner.push_first()
+    advance()
     pushes = [runner.push for runner in runners]
     pulls = [runner.pull for runner in runners]
-    is_steady = all(runner.is_steady for runner in runners)
-    for step in range(first, until):
-        if step > first:
-            if not is_steady:
-                _actuate(plan, runners, step)
-            for push in pushes:
-                push()
+    for pull in pulls:
+        pull()
+    is_steady = _is_steady(plan, runners, first, until)
+    for step in range(first + 1, until):
+        if not is_steady:
+            _actuate(plan, runners, step)
+        for push in pushes:
+            push()
         advance()
         for pull in pulls:
             pull()
@@ -91,15 +87,13 @@ def _step(plan: Plan, world: World, runners: Sequence[Runner], first: int, until
 
 def _actuate(plan: Plan, runners: Sequence[Runner], step: int) -> None:
     for runner in runners:
-        if not runner.is_steady:
-            runner.actuate(step * plan.time_step)
+        runner.actuate(step * plan.time_step)
 
 
-def _watch(step: int, plan: Plan, runners: Sequence[Runner]) -> None:
-    """Stop a diverged run."""
-    totals = [runner.measure_energy() for runner in runners]
-    masses = [runner.mass for runner in runners]
-    watch.check(step, plan, [runner.energy for runner in runners], totals, masses)
+def _is_steady(plan: Plan, runners: Sequence[Runner], first: int, until: int) -> bool:
+    """Whether no actuation changes after step `first` and before step `until`."""
+    start, end = first * plan.time_step, (until - 1) * plan.time_step
+    return all(runner.steady_until(start) > end for runner in runners)
 
 
 def _state(runner: Runner) -> State:
@@ -110,7 +104,7 @@ def _state(runner: Runner) -> State:
         pose = base()
         base = lambda: pose  # noqa: E731
     return State(
-        runner.body, law.angles.tolist(), law.rates.tolist(), runner.torques.tolist(), base
+        runner.body, law.angles.tolist(), law.rates.tolist(), law.actuation.tolist(), base
     )
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 import struct
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol
@@ -15,8 +17,11 @@ from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.springs import Array, SpringLaw, Springs
 from somo_cli.simulation.watch import BodyEnergy
 
-REFRESH_ANGLE = 0.015  # rad, root of the sum of squares over the joints since the last refresh
-SWIFT_ANGLE = 0.0025  # rad per step; a slower body makes do with Coriolis forces a few steps old
+CALM_REFRESH = 0.05  # rad: the mass matrix is renewed once the joints have moved this far, as the
+SWIFT_REFRESH = 0.015  # root of the sum of squares over the joints
+CALM_PHASE = 0.5  # rad of the slowest mode between two looks: with larger steps no body is calm
+CALM_ANGLE = 0.005  # rad per step: a body with a faster joint is not calm
+CALM_CHANGE = 3.0  # rad/s²: times the step squared, what holding may cost in a block [rad]
 STEPS_BETWEEN_LOOKS = 8
 
 
@@ -26,14 +31,22 @@ class WorldBody(Protocol):
     joint_states: Callable[[], Sequence[Any]]
     """Returns one tuple per joint that starts with its angle and rate."""
 
-    def apply(self, torques: Sequence[float]) -> None:
-        """Apply joint torques during the next step."""
+    apply: Callable[[Sequence[float]], None]
+    """Applies joint torques during the next step."""
 
     def mass_matrix(self, angles: Sequence[float]) -> Array:
         """Return the joint-space inertia, shape (n, n)."""
 
-    def bias(self, angles: Sequence[float], rates: Sequence[float]) -> Array:
-        """Return the joint torques that gravity and Coriolis forces ask for, shape (n,)."""
+    def bias(
+        self, angles: Sequence[float], rates: Sequence[float], spin: Sequence[float] = ()
+    ) -> Array:
+        """Return the forces that gravity and Coriolis terms ask for, on a free base as well."""
+
+    def felt_by_joints(self, forces: Array) -> Array:
+        """Return the joint torques that accelerate the joints as these forces do, shape (n,)."""
+
+    def push_base(self, wrench: Array) -> None:
+        """Apply a torque and a force to the base during the next step, in its own axes."""
 
     def base_pose(self) -> Pose:
         """Return the pose of the base frame in the world."""
@@ -76,41 +89,81 @@ class Runner:
         self.law = SpringLaw(springs, plan.time_step, plan.integrator)
         self.energy = BodyEnergy(body, springs, plan.gravity)
         self.mass: Array = np.zeros((0, 0))
-        self.torques: Array = np.zeros(len(joints))
-        self.is_steady = all(drive.signal.is_constant for drive in body.drives)
+        self.fastest = 0.0  # rad/s
         self._mass_angles: Array = np.zeros(0)
-        self._is_swift = False
-        self._drives = [(drive.signal, list(drive.joints)) for drive in body.drives]
+        self._push_held = self._make_push_held()
+        self.push: Callable[[], None] = self._push_swiftly
+        """Applies the torques of the law to the world."""
+        self._refresh_angle = SWIFT_REFRESH
+        self._correction: Array = np.zeros(len(joints))
+        self._resistance: Array = np.ones(len(joints))
+        self._drives = [(drive.signal.at, _as_slice(drive.joints)) for drive in body.drives]
         self.pull = self._make_pull()
         self.actuate(0.0)
 
     def actuate(self, time: float) -> None:
         """Set the actuation torques of a time [s]."""
-        for signal, joints in self._drives:
-            self.torques[joints] = signal.at(time)
-        self.law.actuation = self.torques
+        actuation = self.law.actuation
+        for at, joints in self._drives:
+            actuation[joints] = at(time)
 
-    def push(self) -> None:
-        """Apply the torques of the law to the world."""
-        if self._is_swift:
-            self.refresh_if_moved()
-            self.push_corrected()
-        else:
-            self.world_body.apply(self.law.advance())
+    def steady_until(self, time: float) -> float:
+        """Return the time [s] up to which the actuation stays what it is at `time`."""
+        return min(
+            (drive.signal.steady_until(time) for drive in self.body.drives), default=math.inf
+        )
 
-    def push_corrected(self) -> None:
-        """Apply the torques of the law, corrected for the engine's early Coriolis forces."""
-        if self.law.integrator == "explicit":
-            self.world_body.apply(self.law.advance())
+    @property
+    def rates(self) -> Array:
+        """Joint rates as the engine has them, shape (n,)."""
+        return self.law.rates
+
+    def push_first(self) -> None:
+        """Apply the torques of the law at a look, and decide how to go on until the next.
+
+        The correction for the engine's early Coriolis forces costs two calls into the engine. It
+        need not be renewed in every step while the body moves slowly and the correction changed
+        so little since the last look that holding it cost less than the method's own error.
+        """
+        law = self.law
+        if law.integrator == "explicit":
+            self.push = self._push_held
+            self.push()
             return
-        angles, bias = self.law.angles.tolist(), self.world_body.bias
-        torques = self.law.advance_corrected(lambda rates: bias(angles, rates.tolist()))
-        self.world_body.apply(torques)
+        self._push_corrected()
+        change = np.abs(law.correction - self._correction) / self._resistance
+        is_calm = (
+            STEPS_BETWEEN_LOOKS * law.time_step * law.slowest_mode <= CALM_PHASE
+            and self.fastest * law.time_step <= CALM_ANGLE
+            and float(change.max()) <= CALM_CHANGE * law.time_step**2
+        )
+        self.push = self._push_held if is_calm else self._push_swiftly
+        self._refresh_angle = CALM_REFRESH if is_calm else SWIFT_REFRESH
+        self._correction = law.correction
+
+    def _make_push_held(self) -> Callable[[], None]:
+        """Return the function that applies torques with the correction held, its names bound."""
+        hold, apply = self.law.make_hold(), self.world_body.apply
+
+        def push_held() -> None:
+            apply(hold())
+
+        return push_held
+
+    def _push_swiftly(self) -> None:
+        self.refresh_if_moved()
+        self._push_corrected()
+
+    def _push_corrected(self) -> None:
+        angles, world = self.law.angles.tolist(), self.world_body
+        present = world.bias(angles, self.law.rates.tolist())
+        torques = self.law.correct(present, lambda rates: world.bias(angles, rates.tolist()))
+        world.apply(torques)
 
     def _make_pull(self) -> Callable[[], None]:
         """Return the function that reads angles and rates from the world, its names bound."""
-        joint_states, state = self.world_body.joint_states, self.law.state
-        pack = struct.Struct(f"{2 * len(self.torques)}d").pack_into
+        joint_states, state = self.world_body.joint_states, self.law.state.data
+        pack = struct.Struct(f"{2 * len(self.law.rates)}d").pack_into
 
         def pull() -> None:
             angles, rates, _, _ = zip(*joint_states(), strict=False)
@@ -121,13 +174,21 @@ class Runner:
     def look(self) -> None:
         """Renew the mass matrix if it is too old, and see how fast the body moves."""
         self.refresh_if_moved()
-        fastest = float(np.abs(self.law.rates).max())
-        self._is_swift = fastest * self.law.time_step > SWIFT_ANGLE
+        law = self.law
+        rates = law.rates.tolist()
+        # a rate that is not a number must win, which max() alone would not let it
+        self.fastest = max(max(rates), -min(rates)) if math.isfinite(sum(rates)) else math.nan
+        energy = self.energy
+        energy.update(law.angles, law.rates, law.actuation, self.mass)
+        if self.body.base == "free":
+            start = self.body.start.position
+            moved = geometry.subtract(self.world_body.base_pose().position, start)
+            energy.let_base_fall(geometry.norm(moved))
 
     def refresh_if_moved(self) -> None:
         """Renew the mass matrix if it is that of angles too far from the present ones."""
         moved = self.law.angles - self._mass_angles
-        if moved.dot(moved) > REFRESH_ANGLE**2:
+        if moved.dot(moved) > self._refresh_angle**2:
             self.refresh()
 
     def refresh(self) -> None:
@@ -135,16 +196,14 @@ class Runner:
         self._mass_angles = self.law.angles.copy()
         self.mass = self.world_body.mass_matrix(self._mass_angles.tolist())
         self.law.refresh(self.mass)
+        block = STEPS_BETWEEN_LOOKS * self.law.time_step
+        self._resistance = np.diag(self.mass) / block**2
 
-    def measure_energy(self) -> tuple[float, float]:
-        """Return the energy of the body and the most it may be."""
-        law = self.law
-        energy, bound = self.energy.update(law.angles, law.rates, self.torques, self.mass)
-        if self.body.base == "free":
-            start = self.body.start.position
-            moved = geometry.subtract(self.world_body.base_pose().position, start)
-            bound += self.energy.fall_of_base(geometry.norm(moved))
-        return energy, bound
+    def bias_at_start(self, rates: Array) -> Array:
+        """Return what the joints feel of gravity and Coriolis forces at the start, shape (n,)."""
+        spin = self.body.start.angular_velocity
+        bias = self.world_body.bias(self.law.angles.tolist(), rates.tolist(), spin)
+        return self.world_body.felt_by_joints(bias)
 
     def go_to_start(
         self,
@@ -155,6 +214,14 @@ class Runner:
         start = self.body.start
         self.world_body.reset(start.angles, rates or start.rates, base_velocity)
         self.pull()
+
+
+def _as_slice(joints: tuple[int, ...]) -> slice | list[int]:
+    """Return evenly spaced indices as a slice, which numpy writes to much faster than to a list."""
+    steps = {after - before for before, after in itertools.pairwise(joints)}
+    if len(steps) > 1:
+        return list(joints)
+    return slice(joints[0], joints[-1] + 1, steps.pop() if steps else 1)
 
 
 def begin(plan: Plan, world: World, runners: Sequence[Runner]) -> None:
@@ -173,7 +240,7 @@ def begin(plan: Plan, world: World, runners: Sequence[Runner]) -> None:
     rates = [runner.law.rates.copy() for runner in runners]
     forces = []
     for runner in runners:
-        runner.world_body.apply([0.0] * len(runner.torques))
+        runner.world_body.apply([0.0] * len(runner.law.rates))
     world.step()
     for runner, before in zip(runners, rates, strict=True):
         runner.pull()
@@ -182,8 +249,7 @@ def begin(plan: Plan, world: World, runners: Sequence[Runner]) -> None:
     if plan.integrator == "implicit":
         _step_back_half(plan, world, runners, forces, bases)
     for runner, force, before in zip(runners, forces, rates, strict=True):
-        angles = runner.law.angles.tolist()
-        runner.law.measure(force, runner.world_body.bias(angles, before.tolist()))
+        runner.law.measure(force, runner.bias_at_start(before))
 
 
 def _step_back_half(

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from somo_cli.document.edit import embed
-from somo_cli.document.parse import Document, parse
+from somo_cli.document.parse import Document
 from somo_cli.manipulator import read as manipulator_read
 from somo_cli.manipulator.compile import PLACES_OF_FILES as PLACES_IN_DEFINITION
 from somo_cli.manipulator.compile import Compiled, compile_sound
@@ -86,13 +85,19 @@ class Scene:
 def is_scene(document: Document) -> bool:
     """Tell a scene from a manipulator definition, by its keys."""
     keys = set(document.data) if isinstance(document.data, dict) else set()
-    return "manipulators" in keys or not keys & {"manipulator_name", "actuator_definitions"}
+    if "manipulators" in keys or keys & {"manipulator_name", "actuator_definitions"}:
+        return "manipulators" in keys
+    return not keys.isdisjoint({"time_step", "gravity", "integrator", "record"})
 
 
 def scene_of_one(definition: Document) -> Document:
     """Return the scene of one manipulator alone: fixed, under gravity, everything default."""
-    frame = parse("manipulators:\n  - definition: {}\n", "a scene of one")
-    return embed(frame, ("manipulators", 0, "definition"), definition)
+    # the whole scene stands where the definition stands, so that no fault points to nowhere
+    place: Pointer = ("manipulators", 0, "definition")
+    spans = {(*place, *pointer): pair for pointer, pair in definition.spans.items()}
+    spans |= {place[:length]: definition.spans[()] for length in range(len(place))}
+    data = {"manipulators": [{"definition": definition.data}]}
+    return Document(definition.source, data, definition.texts, spans)
 
 
 def read(document: Document) -> Scene:

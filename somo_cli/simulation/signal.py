@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -33,10 +34,21 @@ class Signal:
         s = time - self.times[index]
         return c0 + s * (c1 + s * (c2 + s * c3))
 
-    @property
-    def is_constant(self) -> bool:
-        """Whether the value never changes."""
-        return all(piece == (self.pieces[0][0], 0.0, 0.0, 0.0) for piece in self.pieces)
+    def steady_until(self, time: float) -> float:
+        """Return the time [s] up to which the value stays what it is at `time`.
+
+        That is `time` itself where the value is changing, infinity where it never changes again.
+        """
+        if self.pieces.count((self.pieces[0][0], 0.0, 0.0, 0.0)) == len(self.pieces):
+            return math.inf
+        if self.period is not None:
+            return time
+        index = bisect_right(self.times, time) - 1
+        if index < 0:
+            return self.times[0]
+        if self.pieces[index][1:] != (0.0, 0.0, 0.0):
+            return time
+        return self.times[index + 1] if index + 1 < len(self.times) else math.inf
 
 
 def through(

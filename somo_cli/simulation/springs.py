@@ -24,8 +24,8 @@ inverse dynamics at q, the half step is made up for by acting as if u were large
 
     c(v) - c(v + h/2 a),  and f by  c_prev - c(v), where it is a step old.
 
-`advance_corrected` does so in full; `advance` holds the last correction, which is enough (and
-still second order) where a few steps turn no joint far.
+`SpringLaw.correct` does so in full; what `SpringLaw.make_hold` returns keeps the last correction,
+which is enough, and still second order, where a few steps turn no joint far.
 
 Newmark, J. Eng. Mech. Div. ASCE 85 (1959) 67; Hairer, Lubich, Wanner, Geometric Numerical
 Integration, ch. I.1.4 (leapfrog); Steihaug and Wolfbrandt, Math. Comp. 33 (1979) 521 (why an old
@@ -65,20 +65,18 @@ class Springs:
         """Return -K (q - q0) - D v, shape (n,)."""
         return -self.stiffness * (angles - self.neutral) - self.damping * rates
 
-    def energy(self, angles: Array) -> float:
-        """Return the energy stored in the springs."""
-        return float(0.5 * self.stiffness @ (angles - self.neutral) ** 2)
-
 
 class SpringLaw:
     """The law of one body as one matrix-vector product a step.
 
-    `state` stacks q, v, v_prev, τ_prev, the load u and a one, shape (5 n + 1,): write q and v, set
-    `actuation` when it changes, then call `advance` or `advance_corrected`.
+    `state` stacks q, v, v_prev, τ_prev, the load u and a one, shape (5 n + 1,): write q and v into
+    its first 2 n numbers, set `actuation` when it changes, then call `correct` or what `make_hold` returns for the
+    torques of the coming step.
     """
 
     def __init__(self, springs: Springs, time_step: float, integrator: Integrator) -> None:
         n = len(springs.stiffness)
+        k, d, h = springs.stiffness, springs.damping, time_step
         self.springs = springs
         self.time_step = time_step
         self.integrator = integrator
@@ -86,60 +84,54 @@ class SpringLaw:
         self.state[-1] = 1.0
         self.angles = self.state[:n]
         self.rates = self.state[n : 2 * n]
-        self._previous_rates = self.state[2 * n : 3 * n]
+        self.actuation: Array = np.zeros(n)
+        self._motion = self.state[n : 2 * n], self.state[2 * n : 3 * n]
         self._previous_torques = self.state[3 * n : 4 * n]
         self._load = self.state[4 * n : 5 * n]  # actuation and correction
-        self._actuation: Array = np.zeros(n)
-        self._correction: Array = np.zeros(n)
+        self.correction: Array = np.zeros(n)
         self._previous_bias: Array | None = None
-        # torques above, half a step's change of the rates below
-        self._matrix: Array = np.zeros((2 * n, 5 * n + 1))
-        self._torque_rows = self._matrix[:n]
-        self._rest: Array = np.eye(n)
         self._mass: Array | None = None
-        self._torques: Array = np.zeros(n)
-        self._both: Array = np.zeros(2 * n)
         self._beta: float | None = None
-
-    @property
-    def actuation(self) -> Array:
-        """Actuation torques u, shape (n,)."""
-        return self._actuation
-
-    @actuation.setter
-    def actuation(self, torques: Array) -> None:
-        self._actuation[:] = torques
-        np.add(self._actuation, self._correction, self._load)
+        self.slowest_mode = 0.0  # rad/s, where the run starts
+        # s and f + s as linear functions of the state; only the mass changes them later
+        self._own: Array = np.zeros((n, 5 * n + 1))
+        self._own[:, :n] = np.diag(-k)
+        self._own[:, n : 2 * n] = np.diag(-(d + h * k if integrator == "euler" else d))
+        self._own[:, 4 * n : 5 * n] = np.eye(n)
+        self._own[:, 5 * n] = k * springs.neutral
+        self._all = self._own.copy()
+        self._all[:, 3 * n : 4 * n] = -np.eye(n)
+        self._to_torques: Array = self._own.copy()
+        self._to_half_change: Array = np.zeros((n, 5 * n + 1))  # h/2 a
+        self._rest: Array = np.eye(n)  # 1 - R
+        self._implicit: Array = np.zeros(n)
+        self._torques: Array = np.zeros(n)
 
     def refresh(self, mass: Array) -> None:
         """Take the joint-space inertia M, shape (n, n), of the present pose."""
-        n, h = len(self.springs.stiffness), self.time_step
-        k, d = self.springs.stiffness, self.springs.damping
-        if self._beta is None:
-            self._beta = newmark_beta(mass, k, h)
-        if self._mass is not None:
+        n, h = len(mass), self.time_step
+        if self.integrator == "explicit":
+            return
+        if self._mass is None:
+            modes = natural_frequencies(mass, self.springs.stiffness)
+            self.slowest_mode = float(modes[0])
+            self._beta = BETA_ACCURATE if h * modes[-1] < RESOLVED else BETA_ROBUST
+            self._implicit = self.implicit_inertia()
+        else:
             # f, measured with the old matrix, shall not jump
-            change = (mass - self._mass) @ (self.rates - self._previous_rates)
-            self._previous_torques += change / h
+            rates, previous = self._motion
+            self._previous_torques += (mass - self._mass) @ (rates - previous) / h
         self._mass = mass
-        implicit = self.implicit_inertia()
+        implicit = self._implicit
         inverse = np.linalg.inv(mass + np.diag(implicit))
-        response = implicit[:, np.newaxis] * inverse  # R = B (M + B)⁻¹
-        rest = -response
-        rest.flat[:: n + 1] += 1.0
-        damping = d + h * k if self.integrator == "euler" else d
-        blocks = ((self._torque_rows, rest, -response), (self._matrix[n:], inverse, inverse))
-        for rows, on_s, on_f in blocks:
-            measured = on_f @ mass
-            measured /= h
-            rows[:, :n] = on_s * -k
-            rows[:, n : 2 * n] = on_s * -damping + measured
-            rows[:, 2 * n : 3 * n] = -measured
-            rows[:, 3 * n : 4 * n] = -on_f
-            rows[:, 4 * n : 5 * n] = on_s
-            rows[:, 5 * n] = on_s @ (k * self.springs.neutral)
-        self._matrix[n:] *= 0.5 * h
-        self._rest = rest
+        by_step = mass / h
+        self._all[:, n : 2 * n] = self._own[:, n : 2 * n] + by_step
+        np.negative(by_step, self._all[:, 2 * n : 3 * n])
+        acceleration = inverse.dot(self._all)
+        np.multiply(acceleration, 0.5 * h, self._to_half_change)
+        acceleration *= implicit[:, np.newaxis]
+        np.subtract(self._own, acceleration, self._to_torques)
+        self._rest = self._to_torques[:, 4 * n : 5 * n]
 
     def implicit_inertia(self) -> Array:
         """Return the diagonal of B, shape (n,); zero for the explicit law."""
@@ -156,53 +148,63 @@ class SpringLaw:
 
         `bias` holds the bias forces at the rates for which `force` was measured.
         """
-        self._previous_rates[:] = self.rates
+        rates, previous = self._motion
+        previous[:] = rates
         self._previous_torques[:] = -force
         self._previous_bias = bias
 
-    def advance(self) -> list[float]:
-        """Return the torques for the coming step and remember what the next one needs."""
-        torques = self._torques
-        self._torque_rows.dot(self.state, torques)
-        self._previous_rates[:] = self.rates
-        self._previous_torques[:] = torques
-        self._previous_bias = None
-        values: list[float] = torques.tolist()
-        return values
+    def make_hold(self) -> Callable[[], list[float]]:
+        """Return the function that gives the torques for the coming step in most steps.
 
-    def advance_corrected(self, bias_at: Callable[[Array], Array]) -> list[float]:
+        The last correction stays. All names are bound here, because this is where a run spends
+        its time.
+        """
+        state, torques = self.state, self._torques
+        rates, previous = self._motion
+        previous_torques, load = self._previous_torques, self._load
+        actuation, tolist, add, law = self.actuation, torques.tolist, np.add, self
+
+        def hold() -> list[float]:
+            add(actuation, law.correction, load)
+            law._to_torques.dot(state, torques)
+            previous[:] = rates
+            previous_torques[:] = torques
+            law._previous_bias = None
+            values: list[float] = tolist()
+            return values
+
+        return hold
+
+    def correct(self, bias: Array, bias_at: Callable[[Array], Array]) -> list[float]:
         """Return the torques for the coming step, with Coriolis forces at the right instant.
 
-        `bias_at(rates)` gives the bias forces at the present angles, shape (n,).
+        `bias` holds the bias forces at the present angles and rates, shape (n,), and
+        `bias_at(rates)` gives them at other rates.
         """
-        n = len(self._torques)
-        bias = bias_at(self.rates)
         if self._previous_bias is not None:
             self._previous_torques -= self._previous_bias - bias
-        self._load[:] = self._actuation
-        self._matrix.dot(self.state, self._both)
-        np.subtract(bias, bias_at(self.rates + self._both[n:]), self._correction)
-        self._rest.dot(self._correction, self._torques)
-        self._torques += self._both[:n]
-        self._load += self._correction
-        self._previous_rates[:] = self.rates
-        self._previous_torques[:] = self._torques
+        self._load[:] = self.actuation
+        coming = self.rates + self._to_half_change.dot(self.state)
+        torques = self._torques
+        self._to_torques.dot(self.state, torques)
+        correction = bias - bias_at(coming)
+        torques += self._rest.dot(correction)
+        self._load += correction
+        self.correction = correction
+        rates, previous = self._motion
+        previous[:] = rates
+        self._previous_torques[:] = torques
         self._previous_bias = bias
-        values: list[float] = self._torques.tolist()
+        values: list[float] = torques.tolist()
         return values
 
     def acceleration(self, mass: Array, force: Array) -> Array:
         """Return a = (M + B)⁻¹ (f + s) at the present state, shape (n,) [rad/s²]."""
-        s = self._actuation + self.springs.torques(self.angles, self.rates)
+        s = self.actuation + self.springs.torques(self.angles, self.rates)
         if self.integrator == "euler":
             s -= self.time_step * self.springs.stiffness * self.rates
-        return np.linalg.solve(mass + np.diag(self.implicit_inertia()), force + s)
-
-
-def newmark_beta(mass: Array, stiffness: Array, time_step: float) -> float:
-    """Return β: 0.3 where the step nearly resolves the stiffest mode, else 1/2."""
-    fastest = natural_frequencies(mass, stiffness)[-1]
-    return BETA_ACCURATE if time_step * fastest < RESOLVED else BETA_ROBUST
+        matrix = mass + np.diag(self.implicit_inertia())
+        return np.asarray(np.linalg.solve(matrix, force + s), dtype=np.float64)
 
 
 def natural_frequencies(mass: Array, stiffness: Array) -> Array:
@@ -211,7 +213,9 @@ def natural_frequencies(mass: Array, stiffness: Array) -> Array:
     root = np.linalg.cholesky(mass * np.outer(scale, scale))
     weighted = np.linalg.solve(root, np.diag(stiffness * scale * scale))
     symmetric = np.linalg.solve(root, weighted.T)
-    return np.sqrt(np.maximum(np.linalg.eigvalsh((symmetric + symmetric.T) / 2), 0.0))
+    squares = np.linalg.eigvalsh((symmetric + symmetric.T) / 2)
+    frequencies: Array = np.sqrt(np.maximum(squares, 0.0))
+    return frequencies
 
 
 def largest_explicit_step(mass: Array, stiffness: Array, damping: Sequence[float] | Array) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 
@@ -18,121 +19,118 @@ SMALL_ANGLE = 1e-3  # rad; deflections below it are never called divergence
 
 
 class BodyEnergy:
-    """The energy of one body's joints and springs against what start and actuation gave it."""
+    """The energy of one body's joints and springs, and the most it may be; engine units.
+
+    The bound is the energy at the start, the work of the actuation, and what gravity can give at
+    most, with everything stretched out and falling over once. `floor` is an energy too small to
+    speak of: every spring deflected by a small angle.
+    """
 
     def __init__(self, body: Body, springs: Springs, gravity: Sequence[float]) -> None:
-        self.body = body
+        self.present = 0.0
+        self.floor = float(0.5 * springs.stiffness.sum() * SMALL_ANGLE**2)
         self._springs = springs
         self._weight = geometry.norm((gravity[0], gravity[1], gravity[2]))
-        self._masses = [link.inertial.mass for link in body.chain.links]
-        self._reaches = _reaches(body)
+        self._mass = sum(link.inertial.mass for link in body.chain.links)
+        self._given = _energy_of_base(body) + self._weight * _fall(body)
+        self._base_fall = 0.0
+        self._has_begun = False
         self._work = 0.0
         self._most_work = 0.0
-        self._start: float | None = None
-        self._last_angles: Array | None = None
-        self._last_actuation: Array | None = None
-        self._joint_energy: Array | None = None
-        self.joint_rates: Array | None = None
+        self._angles: Array = np.zeros(len(body.chain.joints))
+        self._actuation: Array = np.zeros(len(body.chain.joints))
 
-    def update(
-        self, angles: Array, rates: Array, actuation: Array, mass: Array
-    ) -> tuple[float, float]:
-        """Return the present energy and the most it may be, both in engine units.
+    @property
+    def bound(self) -> float:
+        """The most energy the joints and springs can have."""
+        return self._given + self._most_work + self._base_fall
 
-        The bound is the energy at the start, the work of the actuation, and what gravity can
-        give at most, with everything stretched out and falling over once.
-        """
-        momentum = mass @ rates
-        deflection = angles - self._springs.neutral
-        self._joint_energy = 0.5 * (
-            np.abs(rates * momentum) + self._springs.stiffness * deflection**2
-        )
-        self.joint_rates = rates.copy()
-        energy = 0.5 * float(rates @ momentum) + self._springs.energy(angles)
-        if self._start is None or self._last_angles is None or self._last_actuation is None:
-            self._start = energy + self._base_energy() + self._fall(self._reaches)
-        else:
-            mean = 0.5 * (actuation + self._last_actuation)
-            self._work += float(mean @ (angles - self._last_angles))
+    def update(self, angles: Array, rates: Array, actuation: Array, mass: Array) -> None:
+        """Take the present state, arrays of shape (n,), and the joint-space inertia (n, n)."""
+        springs = self._springs
+        deflection = angles - springs.neutral
+        deflection *= deflection
+        self.present = 0.5 * float(rates.dot(mass.dot(rates)) + springs.stiffness.dot(deflection))
+        if self._has_begun:
+            mean = actuation + self._actuation
+            self._work += 0.5 * float(mean.dot(angles - self._angles))
             self._most_work = max(self._most_work, self._work)
-        self._last_angles, self._last_actuation = angles.copy(), actuation.copy()
-        return energy, self._start + self._most_work
+        else:
+            self._given += self.present
+            self._has_begun = True
+        self._angles[:] = angles
+        self._actuation[:] = actuation
 
-    def fall_of_base(self, distance: float) -> float:
-        """Return what gravity can give when the base has moved this far."""
-        return self._weight * sum(self._masses) * distance
+    def let_base_fall(self, distance: float) -> None:
+        """Allow for what gravity can give when the base has moved this far."""
+        self._base_fall = max(self._base_fall, self._weight * self._mass * distance)
 
-    def worst_joint(self) -> int:
-        """Return the index of the joint with the largest share of the energy."""
-        assert self._joint_energy is not None
-        if not np.isfinite(self._joint_energy).all():
-            return int(np.argmax(~np.isfinite(self._joint_energy)))
-        return int(np.argmax(self._joint_energy))
-
-    def floor(self) -> float:
-        """Return an energy too small to speak of: every spring deflected by a small angle."""
-        return float(0.5 * self._springs.stiffness.sum() * SMALL_ANGLE**2)
-
-    def _fall(self, reaches: Sequence[float]) -> float:
-        return self._weight * sum(
-            2 * mass * reach for mass, reach in zip(self._masses, reaches, strict=True)
-        )
-
-    def _base_energy(self) -> float:
-        speed = geometry.norm(self.body.start.linear_velocity)
-        spin = geometry.norm(self.body.start.angular_velocity)
-        return 0.5 * sum(
-            link.inertial.mass * (speed + spin * reach) ** 2
-            + max(link.inertial.inertia) * spin**2
-            for reach, link in zip(self._reaches, self.body.chain.links, strict=True)
-        )
+    def by_joint(self, rates: Array, mass: Array) -> Array:
+        """Return each joint's share of the present energy, shape (n,)."""
+        deflection = self._angles - self._springs.neutral
+        return 0.5 * (np.abs(rates * (mass @ rates)) + self._springs.stiffness * deflection**2)
 
 
-def check(
-    step: int,
-    plan: Plan,
-    energies: Sequence[BodyEnergy],
-    totals: Sequence[tuple[float, float]],
-    masses: Sequence[Array],
-) -> None:
+class Moving(Protocol):
+    """What the watch needs to know of one body in motion."""
+
+    body: Body
+    energy: BodyEnergy
+    fastest: float
+    mass: Array
+
+    @property
+    def rates(self) -> Array:
+        """Joint rates, shape (n,)."""
+
+
+def check(step: int, plan: Plan, bodies: Sequence[Moving]) -> None:
     """Raise SimulationDiverged if the bodies together have more energy than they can have.
 
-    `totals` holds the (energy, bound) of every body; together, because contact moves energy from
-    one to another. A single joint that turns too far in one step is refused as well.
+    Together, because contact moves energy from one to another. A joint that turns too far in one
+    step is refused as well.
     """
-    energy = sum(total[0] for total in totals)
-    bound = sum(total[1] for total in totals)
-    floor = sum(one.floor() for one in energies)
     limit = ANGLE_PER_STEP / plan.time_step
-    fast = [
-        index
-        for index, one in enumerate(energies)
-        if one.joint_rates is not None and not float(np.abs(one.joint_rates).max()) < limit
-    ]
-    if not fast and energy <= ENERGY_RATIO * bound + floor:
-        return
-    if fast:
-        index = fast[0]
-        rates = energies[index].joint_rates
-        assert rates is not None
-        joint = int(np.argmax(np.abs(np.where(np.isfinite(rates), rates, np.inf))))
-        reason = f"it turns {abs(rates[joint]) * plan.time_step:.3g} rad in one step"
+    present = bound = 0.0
+    is_fast = False
+    for one in bodies:
+        present += one.energy.present
+        bound += ENERGY_RATIO * one.energy.bound + one.energy.floor
+        is_fast = is_fast or not one.fastest < limit
+    if is_fast or not present <= bound:
+        _refuse(step, plan, bodies)
+
+
+def _refuse(step: int, plan: Plan, bodies: Sequence[Moving]) -> None:
+    fast = next((one for one in bodies if not one.fastest * plan.time_step < ANGLE_PER_STEP), None)
+    if fast is not None:
+        culprit = fast
+        joint = _largest(np.abs(fast.rates))
+        angle = abs(float(fast.rates[joint])) * plan.time_step
+        reason = f"it turns {angle:.3g} rad in one step"
     else:
-        index = max(range(len(totals)), key=lambda i: _rank(totals[i][0]))
-        joint = energies[index].worst_joint()
-        reason = f"the energy is {energy / max(bound, floor):.3g} times what was put in"
-    body = energies[index].body
-    name = f"{body.name}.{body.chain.joints[joint].name}"
-    hint = _advice(plan, body, masses[index])
-    raise SimulationDiverged(step, step * plan.time_step, name, reason, hint)
+        culprit = max(bodies, key=lambda one: one.energy.present)
+        joint = _largest(culprit.energy.by_joint(culprit.rates, culprit.mass))
+        given = sum(max(one.energy.bound, one.energy.floor) for one in bodies)
+        present = sum(one.energy.present for one in bodies)
+        reason = f"the energy is {present / given:.3g} times what was put in"
+    body = culprit.body
+    raise SimulationDiverged(
+        step,
+        step * plan.time_step,
+        f"{body.name}.{body.chain.joints[joint].name}",
+        reason,
+        _advice(plan, body, culprit.mass),
+    )
 
 
-def _rank(energy: float) -> float:
-    return energy if math.isfinite(energy) else math.inf
+def _largest(values: Array) -> int:
+    """Return the index of the largest value; one that is not a number counts as larger still."""
+    return int(np.argmax(np.where(np.isfinite(values), values, np.inf)))
 
 
 def _advice(plan: Plan, body: Body, mass: Array) -> str:
-    if plan.integrator == "explicit":
+    if plan.integrator == "explicit" and np.isfinite(mass).all():
         stiffness = np.array([joint.stiffness for joint in body.chain.joints])
         damping = [joint.damping for joint in body.chain.joints]
         largest = largest_explicit_step(mass, stiffness, damping)
@@ -145,12 +143,22 @@ def _advice(plan: Plan, body: Body, mass: Array) -> str:
     return f"try half the step, --time-step {plan.time_step / 2:g}"
 
 
-def _reaches(body: Body) -> list[float]:
-    """Return how far each link's centre of mass can be from the base frame's origin."""
-    along = 0.0
-    reaches = []
+def _fall(body: Body) -> float:
+    """Return the sum of mass times twice the distance from the base frame's origin."""
+    along = total = 0.0
     for index, link in enumerate(body.chain.links):
         if index > 0:
             along += geometry.norm(body.chain.joints[index - 1].origin)
-        reaches.append(along + geometry.norm(link.inertial.centre))
-    return reaches
+        total += 2 * link.inertial.mass * (along + geometry.norm(link.inertial.centre))
+    return total
+
+
+def _energy_of_base(body: Body) -> float:
+    """Return a bound on the energy of the body if it moved like its base, all stretched out."""
+    speed = geometry.norm(body.start.linear_velocity)
+    spin = geometry.norm(body.start.angular_velocity)
+    reach = body.chain.length + max(geometry.norm(one.inertial.centre) for one in body.chain.links)
+    return 0.5 * sum(
+        link.inertial.mass * (speed + spin * reach) ** 2 + max(link.inertial.inertia) * spin**2
+        for link in body.chain.links
+    )

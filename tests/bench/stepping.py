@@ -13,32 +13,34 @@ import dataclasses
 import statistics
 import time
 from collections.abc import Iterable
-from pathlib import Path
 
-from somo_cli import cli
 from somo_cli.simulation import run as stepping
 from somo_cli.simulation.bullet import BulletBody, BulletWorld
 from somo_cli.simulation.plan import Plan, make_plan
+from tests.loading import scene_from_file
 
-DEFINITIONS = Path(__file__).parents[2] / "definitions"
 STEPS = 1000
 
 
 def plan_of(joints: int) -> Plan:
-    """Return the plan of the bench: the finger, fixed, bent slowly about both axes."""
-    document = cli._load(
-        str(DEFINITIONS / "scene.yaml"),
-        [
-            f"manipulators[0].definition.actuator_definitions[0].n_segments={joints}",
-            # equal shape and bending stiffness: shorter, lighter links and stiffer joints
-            "manipulators[0].definition.actuator_definitions[0].link_definition.dimensions[2]="
-            f"{0.1 / joints}",
-            "manipulators[0].definition.actuator_definitions[0].link_definition.mass="
-            f"{0.0294 / joints}",
-        ],
-        True,
-    )
-    return make_plan(dataclasses.replace(cli._scene(document, 100, 1e-3)))
+    """Return the plan of the bench: the shipped scene, the finger cut into so many joints.
+
+    Shape, mass and bending stiffness of the whole stay the same.
+    """
+    definition = "manipulators[0].definition.actuator_definitions[0]"
+    actuator = scene_from_file("scene.yaml").manipulators[0].compiled.definition.actuators[0]
+    share = actuator.n_segments / joints
+    sets = [
+        f"{definition}.n_segments={joints}",
+        f"{definition}.link_definition.dimensions[2]={actuator.link.height * share}",
+        f"{definition}.link_definition.mass={actuator.link.mass * share}",
+    ]
+    for index, joint in enumerate(actuator.joints[:2]):
+        place = f"{definition}.joint_definitions[{index}]"
+        sets.append(f"{place}.spring_stiffness={joint.stiffness / share}")
+        sets.append(f"{place}.spring_damping={joint.damping / share}")
+    scene = scene_from_file("scene.yaml", *sets)
+    return make_plan(dataclasses.replace(scene, every=100, time_step=1e-3))
 
 
 def microseconds_of_ours(plan: Plan) -> float:
@@ -50,8 +52,8 @@ def microseconds_of_ours(plan: Plan) -> float:
 
 
 def microseconds_of_bare(plan: Plan) -> float:
-    """Time the engine alone, the body falling over."""
-    with BulletWorld(plan) as world:
+    """Time the engine alone, the body at rest without gravity: falling, it would hit its limits."""
+    with BulletWorld(dataclasses.replace(plan, gravity=(0.0, 0.0, 0.0))) as world:
         started = time.perf_counter()
         for _ in range(STEPS):
             world.step()

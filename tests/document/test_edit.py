@@ -166,7 +166,13 @@ def test_overrides_follow_each_other(document: Document) -> None:
             "a number with a leading zero is ambiguous: 017",
             "write 17 or '017'",
         ),
-        ("name=[1, 2", 11, 1, "expected ',' or ']'", "check the brackets and quotes"),
+        (
+            "name=[1, 2",
+            11,
+            1,
+            "expected ',' or ']'",
+            "the bracket opened on line 1, column 6, is not closed, or a comma is missing",
+        ),
     ],
 )
 def test_a_wrong_assignment_is_refused_at_its_place(

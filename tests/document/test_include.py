@@ -7,10 +7,11 @@ from collections.abc import Callable, Mapping
 
 import pytest
 
-from somo_cli.document.include import include
-from somo_cli.document.parse import parse
+from somo_cli.document.include import include, unread
+from somo_cli.document.parse import Document, parse
 from somo_cli.problems import InvalidFile, Problem, Span
 
+HINT = "paths are relative to the file that names them, and stay in its folder or below"
 PLACES = (("parts", "*"), ("parts", "*", "link"), ("base",))
 
 
@@ -28,9 +29,13 @@ def opener(files: Mapping[str, str]) -> Callable[[str, str], tuple[str, str]]:
 
 
 def refusal(text: str, files: Mapping[str, str]) -> InvalidFile:
-    with pytest.raises(InvalidFile) as caught:
-        include(parse(text, "f.yaml"), PLACES, opener(files))
-    return caught.value
+    document, problems = include(parse(text, "f.yaml"), PLACES, opener(files))
+    return InvalidFile(problems, document.texts)
+
+
+def whole(document: Document, problems: tuple[Problem, ...]) -> Document:
+    assert problems == ()
+    return document
 
 
 def test_files_are_put_where_they_are_named() -> None:
@@ -41,7 +46,7 @@ def test_files_are_put_where_they_are_named() -> None:
         "link.yaml": "\nx: 3\n",
         "base.yaml": "{name: other.yaml}\n",
     }
-    document = include(parse(text, "f.yaml"), PLACES, opener(files))
+    document = whole(*include(parse(text, "f.yaml"), PLACES, opener(files)))
     assert document.data == {
         "parts": [{"link": {"x": 2}}, {"link": {"x": 3}}, {"link": {"x": 1}}],
         "base": {"name": "other.yaml"},
@@ -59,18 +64,38 @@ def test_files_are_put_where_they_are_named() -> None:
 )
 def test_what_is_not_the_name_of_a_file_is_left_to_the_schema(text: str) -> None:
     document = parse(text, "f.yaml")
-    assert include(document, PLACES, opener({})) == document
+    assert whole(*include(document, PLACES, opener({}))) == document
 
 
-def test_a_star_stands_for_the_values_of_a_mapping_as_well() -> None:
-    document = parse("bodies: {a: a.yaml, b: {}}", "f.yaml")
-    whole = include(document, [("bodies", "*")], opener({"a.yaml": "x: 1"}))
-    assert whole.data == {"bodies": {"a": {"x": 1}, "b": {}}}
+def test_a_mapping_in_place_of_a_list_names_no_files() -> None:
+    document = parse("parts: {a: a.yaml, b: {}}", "f.yaml")
+    assert whole(*include(document, PLACES, opener({}))) == document
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [("[1]", "a list"), ("hello", "only 'hello'"), ("5", "only 5"), ("~", "nothing")],
+)
+def test_a_file_that_holds_no_mapping_is_not_put_in(text: str, found: str) -> None:
+    document = parse("base: a.yaml", "f.yaml")
+    included, problems = include(document, PLACES, opener({"a.yaml": text}))
+    span = Span("a.yaml", 1, 1, 1 if text == "[1]" else len(text))
+    assert problems == (Problem(span, f"expected a mapping, found {found}"),)
+    assert included.data == document.data
+    assert unread(included, PLACES) == [("base",)]
+
+
+def test_what_is_not_at_fault_is_put_in() -> None:
+    document = parse("parts: [a.yaml, none.yaml, {}]\nbase: b.yaml", "f.yaml")
+    included, problems = include(document, PLACES, opener({"a.yaml": "x: 1", "b.yaml": "y: 2"}))
+    assert len(problems) == 1
+    assert included.data == {"parts": [{"x": 1}, "none.yaml", {}], "base": {"y": 2}}
+    assert unread(included, PLACES) == [("parts", 1)]
 
 
 def test_one_file_may_be_named_twice() -> None:
     text = "parts: [a.yaml, a.yaml]\n"
-    document = include(parse(text, "f.yaml"), PLACES, opener({"a.yaml": "link: {x: 1}"}))
+    document = whole(*include(parse(text, "f.yaml"), PLACES, opener({"a.yaml": "link: {x: 1}"})))
     assert document.data == {"parts": [{"link": {"x": 1}}, {"link": {"x": 1}}]}
     assert document.span(("parts", 0, "link")) == document.span(("parts", 1, "link"))
 
@@ -86,14 +111,19 @@ def test_every_fault_of_every_file_is_reported() -> None:
     assert error.texts == {"f.yaml": text, **files}
     zero = "a number with a leading zero is ambiguous: 017"
     assert error.problems == (
-        Problem(Span("f.yaml", 2, 3, 9), "cannot read 'none.yaml': no such file or directory"),
+        Problem(
+            Span("f.yaml", 2, 3, 9), "cannot read 'none.yaml': no such file or directory", HINT
+        ),
         Problem(
             Span("f.yaml", 4, 3, 6),
             "cannot use '/etc/x': the path must be relative to the file that names it",
+            HINT,
         ),
         Problem(Span("bad.yaml", 1, 4, 3), zero, "write 17 or '017'"),
         Problem(Span("bad.yaml", 2, 4, 4), "not a finite number: .nan", "write an ordinary number"),
-        Problem(Span("good.yaml", 1, 7, 9), "cannot read 'gone.yaml': no such file or directory"),
+        Problem(
+            Span("good.yaml", 1, 7, 9), "cannot read 'gone.yaml': no such file or directory", HINT
+        ),
         Problem(
             Span("worse.yaml", 1, 5),
             "a ':' cannot stand here",
@@ -108,20 +138,20 @@ def test_a_file_that_cannot_be_decoded_keeps_its_own_problem() -> None:
     def open_text(naming_source: str, path: str) -> tuple[str, str]:
         raise InvalidFile([problem], {"x.yaml": "?"})
 
-    with pytest.raises(InvalidFile) as caught:
-        include(parse("base: x.yaml", "f.yaml"), PLACES, open_text)
-    assert caught.value.problems == (problem,)
-    assert caught.value.texts == {"f.yaml": "base: x.yaml", "x.yaml": "?"}
+    document, problems = include(parse("base: x.yaml", "f.yaml"), PLACES, open_text)
+    assert problems == (problem,)
+    assert document.texts == {"f.yaml": "base: x.yaml", "x.yaml": "?"}
 
 
 def test_a_file_that_names_itself_ends() -> None:
-    document = include(parse("base: f.yaml", "f.yaml"), PLACES, opener({"f.yaml": "base: f.yaml"}))
+    names_itself = parse("base: f.yaml", "f.yaml")
+    document = whole(*include(names_itself, PLACES, opener({"f.yaml": "base: f.yaml"})))
     assert document.data == {"base": {"base": "f.yaml"}}
 
 
 def test_files_cannot_add_up_to_a_bomb() -> None:
     text = "parts: [" + "big.yaml, " * 5_000 + "]"
-    big = "[" + "1, " * 5_000 + "]"
+    big = "{a: [" + "1, " * 5_000 + "]}"
     start = time.perf_counter()
     error = refusal(text, {"big.yaml": big})
     assert time.perf_counter() - start < 3
@@ -132,6 +162,7 @@ def test_files_cannot_add_up_to_a_bomb() -> None:
 def test_many_small_files_are_put_in_place_fast() -> None:
     text = "parts: [" + "a.yaml, " * 2_000 + "]"
     start = time.perf_counter()
-    document = include(parse(text, "f.yaml"), PLACES, opener({"a.yaml": "link: {x: 1, y: 2}"}))
+    files = {"a.yaml": "link: {x: 1, y: 2}"}
+    document = whole(*include(parse(text, "f.yaml"), PLACES, opener(files)))
     assert time.perf_counter() - start < 3
     assert document.at(("parts", 1_999, "link", "y")) == 2

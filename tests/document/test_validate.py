@@ -45,6 +45,7 @@ LINK = {
 }
 SCHEMAS: dict[str, Any] = {
     "body": {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
         "type": "object",
         "additionalProperties": False,
         "properties": {
@@ -107,6 +108,7 @@ SCHEMAS: dict[str, Any] = {
         },
     },
     "world": {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
         "$id": "https://example.org/schemas/world.schema.json",
         "type": "object",
         "required": ["bodies"],
@@ -145,18 +147,18 @@ def judge(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[
         ("[]", [(1, 1, "expected a mapping, found a list", "")]),
         ("lnks: 1", [(1, 1, "unknown key 'lnks'", "did you mean 'links'?")]),
         ("qqqq: 1", [(1, 1, "unknown key 'qqqq'", f"known keys: {KEYS}")]),
-        ("n: 'x'", [(1, 4, "expected a whole number, found the string 'x'", "")]),
+        ("n: 'x'", [(1, 4, "expected a whole number, found the string 'x'", "number of links")]),
         (
             "n: '5'",
             [(1, 4, "expected a whole number, found the string '5'", "write 5, without quotes")],
         ),
         ("n: 1_000", [(1, 4, "expected a whole number, found the string '1_000'", "write 1000")]),
         ("n: 2.0", [(1, 4, "expected a whole number, found 2.0", "write 2")]),
-        ("n: 2.5", [(1, 4, "expected a whole number, found 2.5", "")]),
-        ("n: true", [(1, 4, "expected a whole number, found true", "")]),
-        ("n:", [(1, 1, "expected a whole number, found nothing", "")]),
-        ("n: {}", [(1, 4, "expected a whole number, found a mapping", "")]),
-        ("n: -1", [(1, 4, "-1 must be at least 1", "")]),
+        ("n: 2.5", [(1, 4, "expected a whole number, found 2.5", "number of links")]),
+        ("n: true", [(1, 4, "expected a whole number, found true", "number of links")]),
+        ("n:", [(1, 1, "expected a whole number, found nothing", "number of links")]),
+        ("n: {}", [(1, 4, "expected a whole number, found a mapping", "number of links")]),
+        ("n: -1", [(1, 4, "-1 must be at least 1", "number of links")]),
         (
             "flag: yes",
             [(1, 7, "expected true or false, found the string 'yes'", "write true or false")],
@@ -185,6 +187,14 @@ def judge(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[
         ),
         ("step: 7", [(1, 7, "7 must be a multiple of 5", "")]),
         ("step: 25", [(1, 7, "25 must be at most 20", "")]),
+        (
+            "any: [1e21, -2e20, 1e-21, 1e20, 0]",
+            [
+                (1, 7, "1e+21 is too large", "numbers other than 0 reach from 1e-20 to 1e+20"),
+                (1, 13, "-2e+20 is too large", "numbers other than 0 reach from 1e-20 to 1e+20"),
+                (1, 20, "1e-21 is too small", "numbers other than 0 reach from 1e-20 to 1e+20"),
+            ],
+        ),
         ("only: that", [(1, 7, "'that' is not 'this'", "")]),
         ("only: thi", [(1, 7, "'thi' is not 'this'", "did you mean 'this'?")]),
         ("old: 1", [(1, 1, "key 'old' does not belong here", "")]),
@@ -236,19 +246,18 @@ links:
 base:
   mass: 1
 """
-    mass = "mass of the link [kg], e.g. 0.1"
+    mass, size = "mass of the link [kg], e.g. 0.1", "[x, y, z] [m]"
     assert judge(text) == [
-        (1, 4, "0 must be at least 1", ""),
-        (3, 3, "missing key 'mass'", mass),
+        (1, 4, "0 must be at least 1", "number of links"),
         (3, 10, "'bx' is not one of 'box', 'cylinder', 'sphere'", "did you mean 'box'?"),
         (4, 3, "unknown key 'mas'", "did you mean 'mass'?"),
-        (5, 9, "expected at most 3 values, found 4", ""),
-        (5, 17, "expected a number, found the string 'x'", ""),
-        (7, 9, "-1 must be greater than 0", ""),
+        (5, 9, "expected at most 3 values, found 4", size),
+        (5, 17, "expected a number, found the string 'x'", size),
+        (7, 9, "-1 must be greater than 0", mass),
         (8, 9, "expected at most 1 value, found 4", "a sphere has [radius]"),
-        (8, 19, "11 must be at most 10", ""),
+        (8, 19, "11 must be at most 10", size),
         (9, 9, "'A' does not have the right form", "lower-case letters only"),
-        (10, 2, "expected a mapping, found nothing", ""),
+        (10, 2, "expected a mapping, found nothing", "a rigid body"),
         (11, 3, "missing key 'shape'", ""),
         (11, 3, "missing key 'mass'", mass),
         (12, 1, "missing key 'shape'", ""),
@@ -258,9 +267,12 @@ base:
 def test_schemas_refer_to_each_other(judge: Callable[..., Any]) -> None:
     text = "bodies:\n- n: 0\n- links: [{shape: box, mass: 0}]\nspare: {shape: box}\n"
     assert judge(text, "world") == [
-        (2, 6, "0 must be at least 1", ""),
-        (3, 30, "0 must be greater than 0", ""),
+        (2, 6, "0 must be at least 1", "number of links"),
+        (3, 30, "0 must be greater than 0", "mass of the link [kg], e.g. 0.1"),
         (4, 1, "missing key 'mass'", "mass of the link [kg], e.g. 0.1"),
+    ]
+    assert judge("bodies:\n- n: 2.0\n", "world") == [
+        (2, 6, "expected a whole number, found 2.0", "write 2")
     ]
     assert judge("{}", "world") == [(1, 1, "missing key 'bodies'", "")]
 
@@ -306,7 +318,7 @@ def test_a_long_value_is_cut_in_the_message(judge: Callable[..., Any]) -> None:
 def test_thousands_of_faults_take_seconds_at_most(judge: Callable[..., Any]) -> None:
     text = "links:\n" + "- {shape: bx, mas: 1}\n" * 1_000
     start = time.perf_counter()
-    assert len(judge(text)) == 3_000
+    assert len(judge(text)) == 2_000
     assert time.perf_counter() - start < 10
 
 

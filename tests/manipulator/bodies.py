@@ -1,0 +1,115 @@
+"""Definitions to test with, and what other programs make of the URDF that we compile from them."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from somo_cli.document.parse import Document, parse
+from somo_cli.manipulator.chain import Chain
+from somo_cli.manipulator.compile import Compiled, compile_definition
+from somo_cli.manipulator.urdf import render
+
+Data = dict[str, Any]
+
+BOX: Data = {"shape_type": "box", "dimensions": [0.023, 0.017, 0.02], "mass": 0.003}
+STADIUM: Data = {**BOX, "shape_type": "stadium"}
+CYLINDER: Data = {"shape_type": "cylinder", "dimensions": [0.02, 0.01], "mass": 0.004}
+CAPSULE: Data = {**CYLINDER, "shape_type": "capsule"}
+SPHERE: Data = {"shape_type": "sphere", "dimensions": [0.01], "mass": 0.005}
+
+
+def hinge(*axis: float, **changes: Any) -> Data:
+    joint = {
+        "joint_type": "revolute",
+        "axis": list(axis),
+        "limits": [-3, 3, 10, 20],
+        "spring_stiffness": 0.2,
+        "spring_damping": 0.001,
+    }
+    return joint | changes
+
+
+X, Y, Z = hinge(1, 0, 0), hinge(0, 1, 0), hinge(0, 0, 1)
+
+
+def actuator(n_segments: int, *joints: Data, link: Data = BOX, **changes: Any) -> Data:
+    return {
+        "n_segments": n_segments,
+        "link_definition": link,
+        "joint_definitions": list(joints),
+        **changes,
+    }
+
+
+def manipulator(*actuators: Data, **changes: Any) -> Data:
+    return {"manipulator_name": "body", "actuator_definitions": list(actuators), **changes}
+
+
+def document_of(data: Mapping[str, Any]) -> Document:
+    return parse(json.dumps(data, indent=2), "body.json")
+
+
+def compiled(data: Mapping[str, Any]) -> Compiled:
+    """Compile, and fail on any warning."""
+    result = compile_definition(document_of(data))
+    assert result.warnings == ()
+    return result
+
+
+def chain_of(data: Mapping[str, Any]) -> Chain:
+    return compiled(data).chain
+
+
+# A base, every kind of joint, a seam, offsets and a tip: as much as one body can hold.
+EVERYTHING = manipulator(
+    actuator(
+        4,
+        hinge(1, 0, 0, neutral_axis_offset=[0.001, 0.006, -0.002, 0, 0, 0]),
+        hinge(0.7, 0.7, 0),
+        Z,
+        link={**STADIUM, "origin_offset": [0.001, 0, 0, 0.1, 0.2, 0.3]},
+    ),
+    actuator(3, hinge(0, -1, 0, joint_type="continuous", limits=None), link=CAPSULE),
+    actuator(2, X, {"joint_type": "fixed"}, link={**SPHERE, "mass": 0.002}),
+    base_definition={**CYLINDER, "dimensions": [0.03, 0.02], "mass": 0.1},
+    tip_definitions=[
+        {**SPHERE, "origin_offset": [0.002, 0.003, -0.004, 0, 0, 0]},
+        {**BOX, "origin_offset": [0, 0.01, 0, 0.4, -0.5, 0.6]},
+    ],
+)
+
+
+@contextmanager
+def in_bullet(text: str) -> Iterator[tuple[Any, int, int]]:
+    """Load a URDF into a fresh PyBullet, base held; yield the engine, the client and the body."""
+    bullet = pytest.importorskip("pybullet")
+    client = bullet.connect(bullet.DIRECT)
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "body.urdf"
+            path.write_text(text, "utf-8")
+            flags = bullet.URDF_USE_INERTIA_FROM_FILE
+            body = bullet.loadURDF(
+                str(path), useFixedBase=True, flags=flags, physicsClientId=client
+            )
+        yield bullet, client, body
+    finally:
+        bullet.disconnect(client)
+
+
+def bent(chain: Chain) -> list[float]:
+    """Return angles at which nothing is symmetric."""
+    return [0.1 * (1 + place % 3) * (-1) ** (place // 2) for place in range(len(chain.joints))]
+
+
+def bullet_mass_matrix(chain: Chain, angles: list[float]) -> np.ndarray:
+    with in_bullet(render(chain)) as (bullet, client, body):
+        return np.array(bullet.calculateMassMatrix(body, angles, physicsClientId=client))

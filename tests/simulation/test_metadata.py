@@ -1,0 +1,81 @@
+"""What stands beside the CSV."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+
+import pytest
+
+import somo_cli
+from somo_cli.simulation.metadata import metadata
+from somo_cli.simulation.plan import make_plan
+from somo_cli.simulation.run import Summary
+from tests.loading import scene_from_file
+
+KEYS = [
+    "somo", "engine", "numpy", "python", "platform", "inputs", "overrides", "integrator",
+    "time_step_s", "steps", "record_every", "rows", "columns", "world_scale", "manipulators",
+    "simulated_time_s", "run_time_s", "steps_per_second", "real_time_factor",
+]  # fmt: skip
+OF_THE_MACHINE = {"engine", "numpy", "python", "platform"}
+OF_THE_RUN = {"run_time_s", "steps_per_second", "real_time_factor"}
+
+
+@pytest.fixture(scope="module")
+def found() -> dict[str, object]:
+    plan = make_plan(scene_from_file("scene.yaml"))
+    inputs = {"scene.yaml": "manipulators: ü\n", "finger.yaml": ""}
+    return metadata(plan, Summary(500, 51, 0.25), inputs, ["a=1", "b=2"], ["time_s", "x"])
+
+
+def test_the_keys(found: dict[str, object]) -> None:
+    assert list(found) == KEYS
+
+
+def test_the_values(found: dict[str, object]) -> None:
+    told = {key: found[key] for key in KEYS if key not in OF_THE_MACHINE}
+    assert told == {
+        "somo": somo_cli.__version__,
+        "inputs": {
+            "scene.yaml": {"sha256": hashlib.sha256("manipulators: ü\n".encode()).hexdigest()},
+            "finger.yaml": {"sha256": hashlib.sha256(b"").hexdigest()},
+        },
+        "overrides": ["a=1", "b=2"],
+        "integrator": "implicit",
+        "time_step_s": 1e-3,
+        "steps": 500,
+        "record_every": 10,
+        "rows": 51,
+        "columns": ["time_s", "x"],
+        "world_scale": {"length": 20.0, "mass": 1.0},
+        "manipulators": {"finger": {"base": "static", "joints": 10}},
+        "simulated_time_s": 0.5,
+        "run_time_s": 0.25,
+        "steps_per_second": 2000.0,
+        "real_time_factor": 2.0,
+    }
+
+
+def test_the_machine_is_named(found: dict[str, object]) -> None:
+    assert all(isinstance(found[key], str) and found[key] for key in OF_THE_MACHINE)
+    assert str(found["engine"]).startswith("pybullet")
+
+
+def test_it_is_plain_json(found: dict[str, object]) -> None:
+    assert json.loads(json.dumps(found, allow_nan=False)) == found
+
+
+def test_a_run_too_short_to_measure_has_no_speed() -> None:
+    plan = make_plan(scene_from_file("scene.yaml"))
+    found = metadata(plan, Summary(0, 1, 0.0), {}, [], [])
+    assert (found["steps_per_second"], found["real_time_factor"]) == (None, None)
+
+
+def test_only_the_run_time_differs_between_equal_runs() -> None:
+    plan = make_plan(scene_from_file("scene.yaml"))
+    summary = Summary(10, 2, 0.5)
+    other = dataclasses.replace(summary, wall_time=0.7)
+    one, two = (metadata(plan, each, {"a": "b"}, [], ["c"]) for each in (summary, other))
+    assert {key for key in KEYS if one[key] != two[key]} == OF_THE_RUN

@@ -1,0 +1,170 @@
+"""What we ship in definitions/: the numbers are what the comments beside them say, and it runs."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+from somo_cli.document.parse import parse
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator.chain import Chain
+from somo_cli.manipulator.compile import compile_definition
+from somo_cli.manipulator.kinematics import Pose, link_poses
+from tests.conftest import Somo
+from tests.manipulator.bodies import bullet_mass_matrix
+
+FOLDER = Path(__file__).parents[1] / "definitions"
+FILES = sorted(FOLDER.glob("*.yaml"))
+SCENES = [path.stem for path in FILES if path.stem.endswith("scene")]
+
+
+@cache
+def chain_of(name: str) -> Chain:
+    path = FOLDER / f"{name}.yaml"
+    return compile_definition(parse(path.read_text("utf-8"), str(path))).chain
+
+
+def heights_below_the_tip(chain: Chain) -> list[float]:
+    poses = link_poses(chain, [0.0] * len(chain.joints), Pose())
+    return [chain.length - pose.position[2] for pose in poses[1:]]
+
+
+def modes(chain: Chain, axis: int) -> list[tuple[float, float]]:
+    """Return frequency [rad/s] and damping ratio of the modes about an axis, slowest first."""
+    mass = bullet_mass_matrix(chain, [0.0] * len(chain.joints))
+    stiffness = np.diag([joint.stiffness for joint in chain.joints])
+    damping = np.diag([joint.damping for joint in chain.joints])
+    squares, shapes = scipy.linalg.eigh(stiffness, mass)
+    found = []
+    for frequency, shape in zip(np.sqrt(squares), shapes.T, strict=True):
+        energy = shape**2 * np.diag(stiffness)
+        about = sum(
+            e for e, joint in zip(energy, chain.joints, strict=True) if joint.axis[axis] == 1
+        )
+        if about > 0.5 * energy.sum():
+            ratio = shape @ damping @ shape / (2 * frequency)  # shapes have unit modal mass
+            found.append((float(frequency), float(ratio)))
+    return found
+
+
+@pytest.mark.parametrize(("axis", "stiffness"), [(0, 6.12), (1, 29.05)])
+def test_the_tip_of_the_finger_is_as_stiff_as_measured(axis: int, stiffness: float) -> None:
+    chain = chain_of("finger")
+    compliance = sum(
+        arm**2 / joint.stiffness
+        for arm, joint in zip(heights_below_the_tip(chain), chain.joints, strict=True)
+        if joint.axis[axis] == 1
+    )
+    assert 1 / compliance == pytest.approx(stiffness, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "axis", "frequency", "ratio"),
+    [
+        ("finger", 0, 15.66, 0.030),
+        ("finger", 1, 34.40, 0.030),
+        ("planar_finger", 0, 22.8, 0.029),
+        ("three_axis_finger", 0, 33.7, 0.030),
+        ("three_axis_finger", 1, 98.6, 0.030),
+        ("three_axis_finger", 2, 734, 0.030),
+        ("arm", 0, 1.53, 0.031),
+    ],
+)
+def test_the_lowest_modes_and_their_damping(
+    name: str, axis: int, frequency: float, ratio: float
+) -> None:
+    found = modes(chain_of(name), axis)[0]
+    assert found == (pytest.approx(frequency, rel=3e-3), pytest.approx(ratio, abs=1e-3))
+
+
+@pytest.mark.parametrize(
+    ("name", "area", "second_moment", "segment"),
+    [
+        ("arm", 0.04**2, 0.04**4 / 12, 0.015),
+        ("snake", math.pi * 0.02**2, math.pi * 0.02**4 / 4, 0.025),
+    ],
+)
+def test_arm_and_snake_are_soft_silicone(
+    name: str, area: float, second_moment: float, segment: float
+) -> None:
+    chain = chain_of(name)
+    assert chain.links[1].inertial.mass == pytest.approx(1070 * area * segment, rel=1e-3)
+    for joint in chain.joints:
+        # two axes take turns, so a joint stands for two segments
+        assert joint.span == pytest.approx(2 * segment)
+        assert joint.stiffness == pytest.approx(0.5e6 * second_moment / joint.span, rel=1e-4)
+
+
+def test_nothing_to_complain_about(somo: Somo) -> None:
+    done = somo("check", *FILES)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+@pytest.mark.parametrize("seed", ["0", "1"])
+def test_the_same_urdf_in_any_process(somo: Somo, seed: str) -> None:
+    done = somo("build", FOLDER / "arm.yaml", "-o", "-", env={"PYTHONHASHSEED": seed})
+    golden = Path(__file__).parent / "golden" / "arm.urdf"
+    assert (done.returncode, done.stdout) == (0, golden.read_text("utf-8"))
+
+
+def recorded(somo: Somo, scene: str, steps: int, folder: Path) -> dict[str, np.ndarray]:
+    """Run a scene, and return its columns."""
+    pytest.importorskip("pybullet")
+    path = folder / f"{scene}.csv"
+    done = somo("run", FOLDER / f"{scene}.yaml", "--steps", str(steps), "-o", path, "--quiet")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    with path.open(newline="", encoding="utf-8") as stream:
+        names, *rows = csv.reader(stream)
+    return dict(zip(names, np.array(rows, float).T, strict=True))
+
+
+def columns(table: dict[str, np.ndarray], *endings: str) -> np.ndarray:
+    """Return the columns whose names end so, one row per row of the table."""
+    return np.transpose([table[name] for name in table if name.endswith(endings)])
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_every_scene_moves_and_stays_in_bounds(somo: Somo, scene: str, tmp_path: Path) -> None:
+    table = recorded(somo, scene, 2000, tmp_path)
+    assert table["time_s"][-1] == pytest.approx(2.0)
+    tip = columns(table, ".tip.x_m", ".tip.y_m", ".tip.z_m")
+    length = chain_of(scene.removesuffix("_scene") if "_" in scene else "finger").length
+    way = np.linalg.norm(tip - tip[0], axis=1).max()
+    assert 0.1 * length < way < 1.5 * length
+    assert np.abs(columns(table, ".angle_rad")).max() < 1.0
+
+
+def test_the_finger_does_not_reach_the_table_it_stands_on(somo: Somo, tmp_path: Path) -> None:
+    table = recorded(somo, "scene", 2000, tmp_path)
+    # the tip is a ball with its centre 5 mm beyond the end of the backbone
+    assert table["finger.tip.z_m"].min() > 0.02
+
+
+def test_the_snake_stays_on_the_spot_and_in_its_plane(somo: Somo, tmp_path: Path) -> None:
+    table = recorded(somo, "snake_scene", 1000, tmp_path)
+    chain = chain_of("snake")
+    angles = columns(table, ".angle_rad")
+    bases = columns(table, "base_pose.x_m", "base_pose.y_m", "base_pose.z_m")
+    turns = columns(table, ".qx", ".qy", ".qz", ".qw")
+    centres = []
+    for base, turn, angle in zip(bases, turns, angles, strict=True):
+        pose = Pose(tuple(base), geometry.rotation_from_quaternion(tuple(turn)))
+        centres.append(centre_of_mass(chain, angle, pose))
+    # the engine keeps momentum to second order in the time step: 0.2 mm here, a quarter at half
+    assert np.abs(centres).max() < 5e-4
+    assert np.abs(columns(table, ".tip.z_m")).max() < 1e-6
+
+
+def centre_of_mass(chain: Chain, angles: Sequence[float], base: Pose) -> np.ndarray:
+    pairs = zip(link_poses(chain, angles, base), chain.links, strict=True)
+    weighted = [
+        np.array(pose.point(link.inertial.centre)) * link.inertial.mass for pose, link in pairs
+    ]
+    return np.sum(weighted, axis=0) / sum(link.inertial.mass for link in chain.links)
