@@ -75,8 +75,10 @@ format: sync ## format, and mend what the linter can mend
 golden: sync ## write tests/golden/ anew: the diff is the review
 	$(RUN) pytest tests/manipulator/test_golden.py --rewrite-golden
 
-bench: sync ## measure steps per second and error against run time
+bench: sync ## measure steps per second, error against run time, and stability
 	$(RUN) tests.bench.stepping
+	$(RUN) tests.bench.accuracy
+	$(RUN) tests.bench.stability
 
 build: sync ## make sdist and wheel in dist/, and use the wheel in an empty environment
 	rm -rf dist

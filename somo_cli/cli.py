@@ -52,6 +52,7 @@ QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No summary on 
 
 def main() -> None:
     """Run the command line."""
+    files.open_standard_streams()
     try:
         app()
     except KeyboardInterrupt:
@@ -155,6 +156,8 @@ def build(
     _refuse_scene(document)
     compiled = compile_definition(document)
     terminal.say_problems(compiled.warnings, document.texts)
+    names = {link.name for link in compiled.chain.links}
+    _require(tip_frame not in names, "--tip-frame", f"{tip_frame} is the name of a link already")
     own = compiled.scale or Scale()
     wanted = own if scale is None else Scale(scale, own.mass)
     text = compiled.urdf(wanted, tip_frame)
@@ -163,6 +166,7 @@ def build(
 
         require_equal(text, compiled.scaled_chain(wanted))
     name = compiled.definition.urdf_filename or f"{Path(definition).stem}.urdf"
+    _refuse_overwriting(document, output or name)
     if output == "-":
         with files.partial("-") as stream:
             stream.write(text)
@@ -205,7 +209,9 @@ def run(
     _require(is_step, "--time-step", f"{time_step} is not greater than 0 and at most 1")
     document = _load(scene, sets or [])
     planned = _scene(document, every, time_step)
-    _simulate(planned, document, steps, output or f"{Path(scene).stem}.csv", sets or [], quiet)
+    target = output or f"{Path(scene).stem}.csv"
+    _refuse_overwriting(document, target)
+    _simulate(planned, document, steps, target, sets or [], quiet)
 
 
 @app.command(epilog=EXIT_CODES)
@@ -278,6 +284,14 @@ def _has_errors(problems: Iterable[Problem]) -> bool:
     return any(problem.severity == "error" for problem in problems)
 
 
+def _refuse_overwriting(document: "Document", output: str) -> None:
+    target = Path(output)
+    is_input = target.exists() and any(
+        Path(source).exists() and target.samefile(source) for source in document.texts
+    )
+    _require(not is_input, "--output", f"{output} is what is read")
+
+
 def _refuse_scene(document: "Document") -> None:
     from somo_cli.simulation import scene
 
@@ -323,18 +337,19 @@ def _simulate(
 
     plan = make_plan(scene)
     names = columns.header(plan)
-    with BulletWorld(plan) as world:
-        try:
-            with (
-                files.partial(output) as stream,
-                terminal.progress(steps, "simulating") as advance,
-            ):
-                recorder = CsvRecorder(stream, names, flush_rows=output == "-")
-                summary = simulate(plan, world, recorder.write, steps, time.perf_counter, advance)
-        except (SimulationDiverged, KeyboardInterrupt):
-            if output != "-" and Path(f"{output}.partial").exists():
-                terminal.say(f"somo: the rows so far are in {output}.partial")
-            raise
+    try:
+        # the output comes first: the world takes standard output away from the engine
+        with (
+            files.partial(output) as stream,
+            BulletWorld(plan) as world,
+            terminal.progress(steps, "simulating") as advance,
+        ):
+            recorder = CsvRecorder(stream, names, flush_rows=output == "-")
+            summary = simulate(plan, world, recorder.write, steps, time.perf_counter, advance)
+    except (SimulationDiverged, KeyboardInterrupt):
+        if output != "-" and Path(f"{output}.partial").exists():
+            terminal.say(f"somo: the rows so far are in {output}.partial")
+        raise
     inputs = {
         source: text for source, text in document.texts.items() if not source.startswith("--set")
     }
@@ -342,8 +357,9 @@ def _simulate(
     if output != "-":
         files.write_whole(_beside(output), json.dumps(about, indent=2) + "\n")
     if not quiet:
+        target = "standard output" if output == "-" else output
         terminal.say(
-            f"{'standard output' if output == '-' else output}: {summary.rows} rows of {len(names)} columns; "
+            f"{target}: {summary.rows} rows of {len(names)} columns; "
             f"{steps * plan.time_step:g} s in {summary.wall_time:.3g} s, "
             f"{about['steps_per_second'] or 0:.0f} steps per second"
         )

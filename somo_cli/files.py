@@ -82,6 +82,21 @@ def write_whole(path: str, text: str) -> None:
         raise
 
 
+def open_standard_streams() -> None:
+    """Put the null device where the shell closed a standard stream.
+
+    Otherwise the next file to be opened would take its number, and receive what others print.
+    """
+    for descriptor, name, mode in ((0, "stdin", "r"), (1, "stdout", "w"), (2, "stderr", "w")):
+        try:
+            os.fstat(descriptor)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)
+        if getattr(sys, name) is None:
+            stream = Path(os.devnull).open(mode, encoding="utf-8")  # noqa: SIM115  # for good
+            setattr(sys, name, stream)
+
+
 @contextmanager
 def partial(path: str) -> Iterator[TextIO]:
     """Give a text stream to `<path>.partial`, which takes the place of the path at the end.

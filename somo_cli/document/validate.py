@@ -51,7 +51,7 @@ _COUNTS = {
     "maxLength": ("at most", "character"),
 }
 
-SMALLEST, LARGEST = 1e-20, 1e20  # numbers, in whatever unit
+LARGEST = 1e20  # number, in whatever unit
 
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 
@@ -116,10 +116,9 @@ def _extremes(document: Document, value: object, pointer: Pointer = ()) -> Itera
     elif isinstance(value, list):
         for index, part in enumerate(value):
             yield from _extremes(document, part, (*pointer, index))
-    elif isinstance(value, int | float) and value and not SMALLEST <= abs(value) <= LARGEST:
-        excess = "small" if abs(value) < SMALLEST else "large"
-        hint = f"numbers other than 0 reach from {SMALLEST:g} to {LARGEST:g}"
-        problem = Problem(document.span(pointer), f"{_show(value)} is too {excess}", hint)
+    elif isinstance(value, int | float) and abs(value) > LARGEST:
+        hint = f"no number may be larger than {LARGEST:g}"
+        problem = Problem(document.span(pointer), f"{_show(value)} is too large", hint)
         yield Fault(pointer, problem)
 
 

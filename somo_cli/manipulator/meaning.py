@@ -214,8 +214,8 @@ def _inertia_faults(document: Document, at: Pointer, data: Mapping[str, Any]) ->
             "warning",
         )
     else:
-        ratios = [d / o for d, o in zip(declared, own, strict=True)]
-        worst = max(ratios, key=lambda ratio: abs(math.log(ratio)))
+        ratios = [d / o if o > 0 else math.inf for d, o in zip(declared, own, strict=True)]
+        worst = max(ratios, key=lambda ratio: max(ratio, 1 / ratio if ratio > 0 else math.inf))
         if not 1 / INERTIA_FACTOR <= worst <= INERTIA_FACTOR:
             yield Problem(
                 place,
@@ -233,10 +233,22 @@ def _joint_count_faults(
     for index, actuator in enumerate(actuators):
         if not isinstance(actuator, Mapping) or not is_sound((*at, index, "n_segments")):
             return
-        count += int(actuator.get("n_segments", 0))
+        count += _moving_joints(actuator)
     if count > MAXIMUM_JOINTS:
         yield Problem(
             document.span(at, key=True),
             f"{count} joints, but the engine ignores commands beyond {MAXIMUM_JOINTS} joints",
             "use fewer and longer segments; an error of 1 % needs about 5 joints per axis",
         )
+
+
+def _moving_joints(actuator: Mapping[str, Any]) -> int:
+    """Return how many of the actuator's joints move; its definitions are taken in turn."""
+    segments = actuator.get("n_segments", 0)
+    kinds = [
+        joint.get("joint_type") if isinstance(joint, Mapping) else None
+        for joint in _items(actuator.get("joint_definitions"))
+    ]
+    rounds, rest = divmod(segments, max(1, len(kinds)))
+    fixed = rounds * kinds.count("fixed") + kinds[:rest].count("fixed")
+    return int(segments - fixed)

@@ -37,10 +37,12 @@ class BulletWorld:
         self._plan = plan
         self._bullet: Any = None
         self._client = -1
+        self._stdout: int | None = None
         self.bodies: list[BulletBody] = []
         self.step: Callable[[], object] = self._refuse
 
     def __enter__(self) -> BulletWorld:
+        """Load every body; until `close`, what the engine prints goes to standard error."""
         with _captured_output() as said, _decimal_points():
             self._bullet = _engine()
             self._client = self._bullet.connect(self._bullet.DIRECT)
@@ -52,6 +54,10 @@ class BulletWorld:
             except BaseException:
                 self.close()
                 raise
+        self._stdout = _duplicate(1)
+        if self._stdout is not None:
+            with suppress(OSError):
+                os.dup2(2, 1)
         return self
 
     def __exit__(
@@ -63,10 +69,15 @@ class BulletWorld:
         self.close()
 
     def close(self) -> None:
-        """Leave the engine."""
+        """Leave the engine and give standard output back."""
         if self._client >= 0:
             self._bullet.disconnect(physicsClientId=self._client)
             self._client = -1
+        if self._stdout is not None:
+            _flush_c()
+            os.dup2(self._stdout, 1)
+            os.close(self._stdout)
+            self._stdout = None
 
     @staticmethod
     def _refuse() -> None:
@@ -146,9 +157,19 @@ class BulletBody:
         joints feel when nothing holds the base. A constrained base is held within the step.
         """
         # the base's rows, if it can move, come first: angular, then linear, in its own frame
-        matrix = np.array(
-            self._bullet.calculateMassMatrix(self.index, angles, physicsClientId=self._client)
-        )
+        try:
+            matrix = np.array(
+                self._bullet.calculateMassMatrix(self.index, angles, physicsClientId=self._client)
+            )
+        except (SystemError, self._bullet.error) as error:
+            # seen in 3.2.7: it takes rounding of more than 1e-15 for an inertia that is not
+            # symmetric, so one of more than about 1 engine unit, in turned axes, is refused
+            raise EngineRefused(
+                self._body.name,
+                "its inertias are too large for the engine's dynamics; the mass factor of "
+                "world_scale changes no result, so choose a smaller one, such as "
+                "world_scale: {length: 20, mass: 0.001}",
+            ) from error
         n = len(self._joints)
         if len(matrix) == n:
             return matrix
@@ -166,8 +187,9 @@ class BulletBody:
 
         Shape (n,), the joint torques, with the base at rest; for a free base (6 + n,), with the
         torque and the force on its centre of mass first, in its own axes, `spin` [rad/s] being
-        its angular velocity in the world. Gravity is right only for a base that stands upright (the engine ignores the
-        orientation here), so take differences between rates at the same angles.
+        its angular velocity in the world. Gravity is right only for a base that stands upright
+        (the engine ignores the orientation here), so take differences between rates at the same
+        angles.
         """
         inverse = self._bullet.calculateInverseDynamics
         if self._body.base == "static":
@@ -376,10 +398,8 @@ def _transposed(r: geometry.Matrix) -> geometry.Matrix:
 def _captured_output() -> Iterator[Any]:
     """Keep what the engine prints, in C, out of both streams; yield a function that tells it."""
     with tempfile.TemporaryFile() as kept:
-        saved = {}
-        for descriptor in (1, 2):
-            with suppress(OSError):
-                saved[descriptor] = os.dup(descriptor)
+        duplicates = {descriptor: _duplicate(descriptor) for descriptor in (1, 2)}
+        saved = {key: value for key, value in duplicates.items() if value is not None}
 
         def said() -> str:
             _flush_c()
@@ -409,6 +429,14 @@ def _decimal_points() -> Iterator[None]:
         yield
     finally:
         locale.setlocale(locale.LC_NUMERIC, own)
+
+
+def _duplicate(descriptor: int) -> int | None:
+    """Return a copy of an open file descriptor, None for a closed one."""
+    try:
+        return os.dup(descriptor)
+    except OSError:
+        return None
 
 
 def _flush_c() -> None:

@@ -65,7 +65,7 @@ def header(plan: Plan) -> list[str]:
 
 def row(plan: Plan, units: Units, time: float, states: Sequence[State]) -> list[float]:
     """Return one row of values in SI, in the order of the header."""
-    values = [time]
+    values = [float(f"{time:.12g}")]  # 0.018, not 0.018000000000000002
     for state in states:
         for quantity in plan.columns:
             values.extend(_READINGS[quantity](state, units))

@@ -16,44 +16,37 @@ class FreeRunner(Runner):
 
     The correction has a part for the joints and a wrench for the base. The law knows what of it
     the joints feel; the rest is added to its torques, and the wrench is applied to the base.
-    Without it the momentum of a body in free flight would drift with the first order of the step.
+    Without it the momentum of a body in free flight would drift with the first order of the step;
+    it is renewed in every step, because what holding costs would add up in the momentum.
     """
 
     def __init__(self, plan: Plan, body: Body, world_body: WorldBody) -> None:
-        self._spin: Array = np.zeros(3)
-        self._previous_spin: Array | None = None
-        self._wrench: Array = np.zeros(6)
-        self._beyond: Array = np.zeros(len(body.chain.joints))
+        self._spin: Array = np.array(body.start.angular_velocity)
+        self._previous_spin = self._spin
         super().__init__(plan, body, world_body)
+
+    def begin(self, force: Array, rates: Array) -> None:
+        """Take the force measured at the start, and let the spin half a step on be the start's."""
+        super().begin(force, rates)
+        self._previous_spin = 3 * self._spin - 2 * np.array(self.body.start.angular_velocity)
 
     def _make_pull(self) -> Callable[[], None]:
         pull_joints = super()._make_pull()
 
         def pull() -> None:
             pull_joints()
-            spin = np.array(self.world_body.base_velocity()[1])
-            self._previous_spin = self._spin if self._previous_spin is not None else spin
-            self._spin = spin
+            self._previous_spin = self._spin
+            self._spin = np.array(self.world_body.base_velocity()[1])
 
         return pull
 
-    def forget_motion(self) -> None:
-        """Take the present spin of the base as that of the step before as well."""
-        self._previous_spin = None
-
-    def _make_push_held(self) -> Callable[[], None]:
-        hold = self.law.make_hold()
-
-        def push_held() -> None:
-            self._apply(hold())
-
-        return push_held
+    def _is_calm(self) -> bool:
+        return False
 
     def _push_corrected(self) -> None:
         law, world = self.law, self.world_body
         angles = law.angles.tolist()
-        previous = self._spin if self._previous_spin is None else self._previous_spin
-        coming_spin = (1.5 * self._spin - 0.5 * previous).tolist()
+        coming_spin = (1.5 * self._spin - 0.5 * self._previous_spin).tolist()
         present = world.bias(angles, law.rates.tolist(), self._spin.tolist())
         change: Array = np.zeros_like(present)
 
@@ -63,10 +56,6 @@ class FreeRunner(Runner):
             return world.felt_by_joints(coming)
 
         torques = law.correct(world.felt_by_joints(present), felt_at)
-        self._wrench = change[:6]
-        self._beyond = change[6:] - world.felt_by_joints(change)
-        self._apply(torques)
-
-    def _apply(self, torques: list[float]) -> None:
-        self.world_body.push_base(self._wrench)
-        self.world_body.apply((self._beyond + torques).tolist())
+        beyond = change[6:] - world.felt_by_joints(change)
+        world.push_base(change[:6])
+        world.apply((beyond + torques).tolist())

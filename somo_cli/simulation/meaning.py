@@ -134,6 +134,11 @@ def _manipulator_faults(
     is_compilable = is_sound((*at, "definition")) and "definition" in data
     if is_compilable and all(problem.severity == "warning" for problem in of_definition):
         compiled = compile_sound(document, (*at, "definition"), ())
+        if not compiled.chain.joints:
+            yield Problem(
+                document.span((*at, "definition")),
+                "no joint of this manipulator moves, so there is nothing to simulate",
+            )
         yield from _start_faults(document, at, data, compiled.chain, is_sound)
         if is_sound((*at, "actuation")):
             yield from _reference_faults(document, (*at, "actuation"), entries, compiled.chain)

@@ -46,8 +46,7 @@ def metadata(
         "columns": list(columns),
         "world_scale": {"length": plan.scale.length, "mass": plan.scale.mass},
         "manipulators": {
-            body.name: {"base": body.base, "joints": len(body.chain.joints)}
-            for body in plan.bodies
+            body.name: {"base": body.base, "joints": len(body.chain.joints)} for body in plan.bodies
         },
         "simulated_time_s": simulated,
         "run_time_s": summary.wall_time,

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from somo_cli.simulation import columns, watch
 from somo_cli.simulation.columns import State
 from somo_cli.simulation.free_base import FreeRunner
@@ -21,6 +23,7 @@ class Summary:
     wall_time: float
 
 
+@np.errstate(over="ignore", invalid="ignore")  # the watch says it better
 def run(
     plan: Plan,
     world: World,
@@ -45,14 +48,15 @@ def run(
     while True:
         _actuate(plan, runners, step)
         for runner in runners:
-            runner.look()
+            runner.measure()
         watch.check(step, plan, runners)
         advance(step)
         is_recorded = step % plan.every == 0
         states = [_state(runner) for runner in runners] if is_recorded else []
-        if step < steps or (is_recorded and needs_next_rates):
-            stride = 1 if is_recorded and needs_next_rates else STEPS_BETWEEN_LOOKS
-            until = min(step + stride, step - step % plan.every + plan.every, max(steps, step + 1))
+        until = _next_stop(plan, step, steps)
+        if is_recorded and needs_next_rates:
+            until = step + 1
+        if step < steps or until == step + 1:
             _step(plan, world, runners, step, until)
         if is_recorded:
             if needs_next_rates:
@@ -64,16 +68,24 @@ def run(
         step = until
 
 
+def _next_stop(plan: Plan, step: int, steps: int) -> int:
+    """Return the next step with a look, a row or the end; where rows fall changes no torque."""
+    next_look = step - step % STEPS_BETWEEN_LOOKS + STEPS_BETWEEN_LOOKS
+    next_row = step - step % plan.every + plan.every
+    return max(step, min(next_look, next_row, steps))
+
+
 def _step(plan: Plan, world: World, runners: Sequence[Runner], first: int, until: int) -> None:
     """Advance from step `first`, whose actuation is set, to step `until`."""
     advance = world.step
-    for runner in runners:
-        runner.push_first()
-    advance()
-    pushes = [runner.push for runner in runners]
     pulls = [runner.pull for runner in runners]
+    is_look = first % STEPS_BETWEEN_LOOKS == 0
+    for runner in runners:
+        (runner.push_first if is_look else runner.push)()
+    advance()
     for pull in pulls:
         pull()
+    pushes = [runner.push for runner in runners]
     is_steady = _is_steady(plan, runners, first, until)
     for step in range(first + 1, until):
         if not is_steady:
@@ -103,9 +115,7 @@ def _state(runner: Runner) -> State:
     if runner.body.base != "static":
         pose = base()
         base = lambda: pose  # noqa: E731
-    return State(
-        runner.body, law.angles.tolist(), law.rates.tolist(), law.actuation.tolist(), base
-    )
+    return State(runner.body, law.angles.tolist(), law.rates.tolist(), law.actuation.tolist(), base)
 
 
 def _centre_rates(states: Sequence[State], runners: Sequence[Runner]) -> None:

@@ -21,7 +21,7 @@ CALM_REFRESH = 0.05  # rad: the mass matrix is renewed once the joints have move
 SWIFT_REFRESH = 0.015  # root of the sum of squares over the joints
 CALM_PHASE = 0.5  # rad of the slowest mode between two looks: with larger steps no body is calm
 CALM_ANGLE = 0.005  # rad per step: a body with a faster joint is not calm
-CALM_CHANGE = 3.0  # rad/s²: times the step squared, what holding may cost in a block [rad]
+CALM_CHANGE = 10.0  # rad/s²: times the step squared, what holding may cost in a block [rad]
 STEPS_BETWEEN_LOOKS = 8
 
 
@@ -126,20 +126,25 @@ class Runner:
         so little since the last look that holding it cost less than the method's own error.
         """
         law = self.law
+        self.refresh_if_moved()
         if law.integrator == "explicit":
             self.push = self._push_held
             self.push()
             return
         self._push_corrected()
+        is_calm = self._is_calm()
+        self.push = self._push_held if is_calm else self._push_swiftly
+        self._refresh_angle = CALM_REFRESH if is_calm else SWIFT_REFRESH
+        self._correction = law.correction
+
+    def _is_calm(self) -> bool:
+        law = self.law
         change = np.abs(law.correction - self._correction) / self._resistance
-        is_calm = (
+        return (
             STEPS_BETWEEN_LOOKS * law.time_step * law.slowest_mode <= CALM_PHASE
             and self.fastest * law.time_step <= CALM_ANGLE
             and float(change.max()) <= CALM_CHANGE * law.time_step**2
         )
-        self.push = self._push_held if is_calm else self._push_swiftly
-        self._refresh_angle = CALM_REFRESH if is_calm else SWIFT_REFRESH
-        self._correction = law.correction
 
     def _make_push_held(self) -> Callable[[], None]:
         """Return the function that applies torques with the correction held, its names bound."""
@@ -171,14 +176,14 @@ class Runner:
 
         return pull
 
-    def look(self) -> None:
-        """Renew the mass matrix if it is too old, and see how fast the body moves."""
-        self.refresh_if_moved()
-        law = self.law
+    def measure(self) -> None:
+        """Take the speed and the energy of the present state, for the watch."""
+        law, energy = self.law, self.energy
         rates = law.rates.tolist()
         # a rate that is not a number must win, which max() alone would not let it
         self.fastest = max(max(rates), -min(rates)) if math.isfinite(sum(rates)) else math.nan
-        energy = self.energy
+        if math.isnan(self.fastest):
+            return  # the watch stops the run; there is no energy to tell
         energy.update(law.angles, law.rates, law.actuation, self.mass)
         if self.body.base == "free":
             start = self.body.start.position
@@ -199,11 +204,11 @@ class Runner:
         block = STEPS_BETWEEN_LOOKS * self.law.time_step
         self._resistance = np.diag(self.mass) / block**2
 
-    def bias_at_start(self, rates: Array) -> Array:
-        """Return what the joints feel of gravity and Coriolis forces at the start, shape (n,)."""
+    def begin(self, force: Array, rates: Array) -> None:
+        """Take the force on the joints that was measured at the start, at these rates."""
         spin = self.body.start.angular_velocity
         bias = self.world_body.bias(self.law.angles.tolist(), rates.tolist(), spin)
-        return self.world_body.felt_by_joints(bias)
+        self.law.measure(force, self.world_body.felt_by_joints(bias))
 
     def go_to_start(
         self,
@@ -249,7 +254,7 @@ def begin(plan: Plan, world: World, runners: Sequence[Runner]) -> None:
     if plan.integrator == "implicit":
         _step_back_half(plan, world, runners, forces, bases)
     for runner, force, before in zip(runners, forces, rates, strict=True):
-        runner.law.measure(force, runner.bias_at_start(before))
+        runner.begin(force, before)
 
 
 def _step_back_half(

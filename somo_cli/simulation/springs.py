@@ -70,8 +70,8 @@ class SpringLaw:
     """The law of one body as one matrix-vector product a step.
 
     `state` stacks q, v, v_prev, τ_prev, the load u and a one, shape (5 n + 1,): write q and v into
-    its first 2 n numbers, set `actuation` when it changes, then call `correct` or what `make_hold` returns for the
-    torques of the coming step.
+    its first 2 n numbers, set `actuation` when it changes, then call `correct`, or what
+    `make_hold` returns, for the torques of the coming step.
     """
 
     def __init__(self, springs: Springs, time_step: float, integrator: Integrator) -> None:

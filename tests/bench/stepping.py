@@ -1,6 +1,6 @@
 """Time of one step: ours against the bare engine and the classic loop, on the same body.
 
-Run by `make bench`. The three are timed in turn, round after round, so that a machine whose
+Run by `make bench`. They are timed in turn, round after round, so that a machine whose
 speed drifts does not favour one; printed are medians over the rounds, and the medians of the
 ratios taken round by round. Every loop starts from rest and bends the finger by the same torque
 over half a second; ours records every 100th step.
@@ -60,6 +60,19 @@ def microseconds_of_bare(plan: Plan) -> float:
         return (time.perf_counter() - started) / STEPS * 1e6
 
 
+def microseconds_of_calls(plan: Plan) -> float:
+    """Time the engine with the two calls that no loop in Python can do without, nothing else."""
+    with BulletWorld(dataclasses.replace(plan, gravity=(0.0, 0.0, 0.0))) as world:
+        body = world.bodies[0]
+        torques = [0.0] * len(plan.bodies[0].chain.joints)
+        started = time.perf_counter()
+        for _ in range(STEPS):
+            body.apply(torques)
+            world.step()
+            body.joint_states()
+        return (time.perf_counter() - started) / STEPS * 1e6
+
+
 def microseconds_of_classic(plan: Plan) -> float:
     """Time the per-joint loop that users write, with the engine's joint motors left on.
 
@@ -93,20 +106,28 @@ def main() -> None:
     arguments.add_argument("--rounds", type=int, default=15)
     options = arguments.parse_args()
     print(f"{STEPS} steps of 1 ms, medians of {options.rounds} rounds, recording every 100th step")
-    print("joints  bare [us]  ours [us]  classic [us]  ours/bare  classic/ours  ours [steps/s]")
+    print("calls: bare + reading all joints + writing all torques, the floor of a loop in Python\n")
+    print(
+        "joints    bare   calls    ours  classic [us]  calls/bare  ours/bare  classic/ours  steps/s"
+    )
+    loops = (
+        microseconds_of_bare,
+        microseconds_of_calls,
+        microseconds_of_ours,
+        microseconds_of_classic,
+    )
     for joints in options.joints:
         plan = plan_of(joints)
-        bare, ours, classic = [], [], []
-        for _ in range(options.rounds):
-            bare.append(microseconds_of_bare(plan))
-            ours.append(microseconds_of_ours(plan))
-            classic.append(microseconds_of_classic(plan))
-        median = statistics.median
-        ours_to_bare = median(a / b for a, b in zip(ours, bare, strict=True))
-        classic_to_ours = median(a / b for a, b in zip(classic, ours, strict=True))
+        rounds = [[loop(plan) for loop in loops] for _ in range(options.rounds)]
+        bare, calls, ours, classic = (
+            statistics.median(times) for times in zip(*rounds, strict=True)
+        )
+        calls_to_bare = statistics.median(calls / bare for bare, calls, _, _ in rounds)
+        ours_to_bare = statistics.median(ours / bare for bare, _, ours, _ in rounds)
+        classic_to_ours = statistics.median(classic / ours for _, _, ours, classic in rounds)
         print(
-            f"{joints:6d} {median(bare):10.1f} {median(ours):10.1f} {median(classic):13.1f}"
-            f" {ours_to_bare:10.2f} {classic_to_ours:13.1f} {1e6 / median(ours):15.0f}"
+            f"{joints:6d} {bare:7.1f} {calls:7.1f} {ours:7.1f} {classic:13.1f}"
+            f" {calls_to_bare:11.2f} {ours_to_bare:10.2f} {classic_to_ours:13.1f} {1e6 / ours:8.0f}"
         )
 
 

@@ -48,12 +48,12 @@ def trajectory(
     state = mujoco.MjData(model)
     state.qpos[:] = angles
     rows = []
-    step = 0
+    done = 0
     for time in times:
-        last = round(time / model.opt.timestep)
-        for step in range(step, last):
+        until = round(time / model.opt.timestep)
+        for step in range(done, until):
             state.qfrc_applied[:] = torques((step + 0.5) * model.opt.timestep)
             mujoco.mj_step(model, state)
-        step = last
+        done = until
         rows.append(state.qpos.copy())
     return np.array(rows)

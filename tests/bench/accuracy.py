@@ -1,0 +1,102 @@
+"""Error of the joint angles against the time step: the shipped finger, and MuJoCo as the truth.
+
+Run by `make bench`. The finger, fixed and under gravity, is bent from rest for one second; the
+error is the largest of any joint at any tenth of a second, against MuJoCo's RK4 with steps of
+1e-5 s on the same chain. The time is that of our stepping loop, the median of several runs.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import math
+import statistics
+import time
+
+import numpy as np
+
+from somo_cli.problems import SimulationDiverged
+from somo_cli.simulation import run
+from somo_cli.simulation.bullet import BulletWorld
+from somo_cli.simulation.plan import make_plan
+from somo_cli.simulation.scene import Scene
+from tests.loading import scene_from_text
+from tests.simulation.mujoco_reference import model_of, trajectory
+
+STEPS = (5e-3, 2e-3, 1e-3, 5e-4, 2.5e-4)
+MOTIONS = {
+    "slow: 0.03 N·m about both axes over half a second": "waypoints: [[0, 0], [0.5, 0.03]], "
+    "interpolation: cubic",
+    "fast: 0.05 N·m about both axes at once": "torque: 0.05",
+}
+
+
+def scene_of(torque: str) -> Scene:
+    """Return the finger driven about both axes."""
+    return scene_from_text(
+        "manipulators:\n  - definition: finger.yaml\n    actuation:\n"
+        f"      - {{actuator: 0, axis: 0, {torque}}}\n"
+        f"      - {{actuator: 0, axis: 1, {torque}}}\n"
+        "record: {columns: [joint_angles]}\n"
+    )
+
+
+def truth_of(scene: Scene) -> np.ndarray:
+    """Return the angles every tenth of a second, shape (10, n)."""
+    chain = scene.manipulators[0].compiled.chain
+    si = make_plan(dataclasses.replace(scene, scale=type(scene.scale)()))
+    signals = {joint: drive.signal for drive in si.bodies[0].drives for joint in drive.joints}
+
+    def torques(time: float) -> list[float]:
+        return [signals[index].at(time) for index in range(len(chain.joints))]
+
+    times = [0.1 * index for index in range(1, 11)]
+    return trajectory(model_of(chain, scene.gravity, 1e-5), torques, times)
+
+
+def measured(scene: Scene, repeats: int) -> tuple[np.ndarray, float]:
+    """Return the angles every tenth of a second and the time of the loop [s]."""
+    times = []
+    for _ in range(repeats):
+        rows: list[list[float]] = []
+        plan = make_plan(scene)
+        with BulletWorld(plan) as world:
+            steps = round(1 / scene.time_step)
+            summary = run.run(
+                plan, world, lambda row, keep=rows: keep.append(list(row)), steps, time.perf_counter
+            )
+        times.append(summary.wall_time)
+    return np.array(rows)[1:, 1:], statistics.median(times)
+
+
+def main() -> None:
+    """Print a table for each motion."""
+    arguments = argparse.ArgumentParser(description=__doc__)
+    arguments.add_argument("--repeats", type=int, default=5)
+    options = arguments.parse_args()
+    for title, torque in MOTIONS.items():
+        scene = scene_of(torque)
+        truth = truth_of(scene)
+        print(f"\n{title}\nintegrator  step [s]  error [rad]  order  time [ms]  x real time")
+        for integrator in ("implicit", "euler", "explicit"):
+            last, last_step = math.nan, math.nan
+            for step in STEPS:
+                one = dataclasses.replace(
+                    scene, integrator=integrator, time_step=step, every=round(0.1 / step)
+                )
+                try:
+                    angles, seconds = measured(one, options.repeats)
+                except SimulationDiverged:
+                    print(f"{integrator:10s} {step:9g}  diverged")
+                    continue
+                error = float(np.abs(angles - truth).max())
+                order = math.log(last / error) / math.log(last_step / step)
+                print(
+                    f"{integrator:10s} {step:9g}  {error:11.2e}  {order:5.2f}"
+                    f"  {1e3 * seconds:9.1f}  {1 / seconds:11.0f}"
+                )
+                last, last_step = error, step
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,112 @@
+"""A world in a few lines: joints that know nothing of each other, and of no gravity."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from somo_cli.manipulator.geometry import ZERO, Vector
+from somo_cli.manipulator.kinematics import Pose
+from somo_cli.simulation.plan import Body, Plan, make_plan
+from tests.loading import scene_from_text
+from tests.manipulator.bodies import actuator, hinge, manipulator
+
+INERTIA = 0.5  # kg·m²
+STIFFNESS = 20.0  # N·m/rad
+DAMPING = 0.3  # N·m·s/rad
+NEUTRAL = 0.1  # rad
+
+
+def plan_of_hinges(count: int = 1, names: Sequence[str] = ("a",), **more: Any) -> Plan:
+    """Return a plan whose bodies are chains of equal hinges, bent by a torque of 1 N·m.
+
+    What belongs to a manipulator goes into `one`, the rest into the scene.
+    """
+    joint = hinge(
+        1, 0, 0,
+        spring_stiffness=STIFFNESS, spring_damping=DAMPING, joint_neutral_position=NEUTRAL,
+    )  # fmt: skip
+    one = {
+        "definition": manipulator(actuator(count, joint)),
+        "actuation": [{"actuator": 0, "axis": 0, "torque": 1.0}],
+        **more.pop("one", {}),
+    }
+    manipulators = [{"name": name, **one} for name in names]
+    return make_plan(scene_from_text(json.dumps({"manipulators": manipulators, **more})))
+
+
+class FakeBody:
+    """Joints of equal inertia under a constant load [N·m]; `torques` are the last ones applied."""
+
+    def __init__(self, body: Body, time_step: float, load: float = 0.0) -> None:
+        self._start = body.start
+        self._time_step = time_step
+        self._load = load
+        self.angles = np.array(body.start.angles)
+        self.rates = np.array(body.start.rates)
+        self.torques = np.zeros_like(self.angles)
+        self.mass_matrices = 0
+        self.apply: Callable[[Sequence[float]], None] = self._apply
+        self.joint_states: Callable[[], Sequence[Any]] = self._joint_states
+
+    def _joint_states(self) -> Sequence[Any]:
+        pairs = zip(self.angles.tolist(), self.rates.tolist(), strict=True)
+        return [(angle, rate, (), 0.0) for angle, rate in pairs]
+
+    def _apply(self, torques: Sequence[float]) -> None:
+        self.torques = np.array(torques)
+
+    def step(self) -> None:
+        self.rates = self.rates + self._time_step * (self.torques + self._load) / INERTIA
+        self.angles = self.angles + self._time_step * self.rates
+        self.torques = np.zeros_like(self.angles)
+
+    def mass_matrix(self, angles: Sequence[float]) -> np.ndarray:
+        self.mass_matrices += 1
+        return INERTIA * np.eye(len(angles))
+
+    def bias(
+        self, angles: Sequence[float], rates: Sequence[float], spin: Sequence[float] = ()
+    ) -> np.ndarray:
+        return np.zeros(len(angles))
+
+    def felt_by_joints(self, forces: np.ndarray) -> np.ndarray:
+        return forces
+
+    def push_base(self, wrench: np.ndarray) -> None:
+        raise AssertionError("a base that cannot move is not pushed")
+
+    def base_pose(self) -> Pose:
+        return Pose()
+
+    def base_velocity(self) -> tuple[Vector, Vector]:
+        return ZERO, ZERO
+
+    def reset(
+        self,
+        angles: Sequence[float],
+        rates: Sequence[float],
+        base_velocity: tuple[Vector, Vector] | None = None,
+    ) -> None:
+        self.angles, self.rates = np.array(angles), np.array(rates)
+
+
+class FakeWorld:
+    """Calls `at_step[n]` after its n-th step; `rates` are those of the first body after each."""
+
+    def __init__(self, plan: Plan, load: float = 0.0) -> None:
+        self.bodies = [FakeBody(body, plan.time_step, load) for body in plan.bodies]
+        self.at_step: dict[int, Callable[[], None]] = {}
+        self.steps = 0
+        self.rates: list[np.ndarray] = []
+        self.step: Callable[[], object] = self._step
+
+    def _step(self) -> None:
+        for body in self.bodies:
+            body.step()
+        self.steps += 1
+        self.rates.append(self.bodies[0].rates)
+        self.at_step.get(self.steps, lambda: None)()

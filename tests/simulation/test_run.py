@@ -1,0 +1,246 @@
+"""The loop around a world of a few lines: which rows, when, and what ends it."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from somo_cli.problems import SimulationDiverged
+from somo_cli.simulation.plan import Plan, make_plan
+from somo_cli.simulation.run import Summary, run
+from tests.loading import rows_of, scene_from_file, scene_from_text
+from tests.simulation.fake_world import FakeWorld, plan_of_hinges
+
+INTEGRATORS = ("implicit", "euler", "explicit")
+STEPS_AT_START = {"implicit": 2, "euler": 1, "explicit": 0}  # steps that are undone before the run
+
+
+class Ended:
+    """One run, its rows and what it reported, whether it came to its end or not."""
+
+    def __init__(self, plan: Plan, world: FakeWorld, steps: int) -> None:
+        self.rows: list[list[float]] = []
+        self.reported: list[int] = []
+        self.summary: Summary | None = None
+        self.error: SimulationDiverged | None = None
+        ticks = iter([10.0, 12.5])
+
+        def write(values: Iterable[float]) -> None:
+            self.rows.append(list(values))
+
+        try:
+            self.summary = run(plan, world, write, steps, lambda: next(ticks), self.reported.append)
+        except SimulationDiverged as error:
+            self.error = error
+
+    @property
+    def times(self) -> list[float]:
+        return [row[0] for row in self.rows]
+
+
+def plan_of(columns: Iterable[str] = ("joint_angles",), every: int = 1, **more: Any) -> Plan:
+    return plan_of_hinges(record={"every": every, "columns": list(columns)}, **more)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("columns", [["joint_angles"], ["joint_rates"]])
+@pytest.mark.parametrize("every", [1, 3, 7, 10, 64])
+@pytest.mark.parametrize("steps", [0, 1, 6, 7, 8, 20, 33, 63])
+def test_a_row_for_every_recorded_step(
+    integrator: str, columns: list[str], every: int, steps: int
+) -> None:
+    plan = plan_of(columns, every, integrator=integrator)
+    ended = Ended(plan, FakeWorld(plan), steps)
+    expected = [every * row / 1000 for row in range(steps // every + 1)]
+    assert ended.times == pytest.approx(expected, rel=1e-12)
+    assert ended.summary == Summary(steps, steps // every + 1, 2.5)
+    # what a progress bar is told only grows, and ends where the run does
+    assert ended.reported[0] == 0
+    assert ended.reported[-1] == steps
+    assert ended.reported == sorted(set(ended.reported))
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_what_is_recorded_does_not_depend_on_how_often(integrator: str) -> None:
+    plans = [
+        plan_of(["joint_angles"], every, integrator=integrator, time_step=0.02)
+        for every in (1, 5, 40)
+    ]
+    rows = [Ended(plan, FakeWorld(plan), 40).rows for plan in plans]
+    assert np.allclose(rows[1], rows[0][::5], rtol=0, atol=1e-12)
+    assert np.allclose(rows[2], rows[0][::40], rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_nothing_but_the_start(integrator: str) -> None:
+    start = {"initial_angles": [0.2], "initial_rates": [-3.0]}
+    plan = plan_of(["joint_angles", "joint_rates", "actuation"], one=start, integrator=integrator)
+    ended = Ended(plan, FakeWorld(plan, load=2.0), 0)
+    # the implicit law recovers the rate of the start to the second order of the step
+    error = 1e-6 if integrator == "implicit" else 0.0
+    assert np.allclose(ended.rows, [[0.0, 0.2, -3.0, 1.0]], rtol=0, atol=error)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("columns", [["joint_angles"], ["joint_angles", "joint_rates"]])
+def test_the_world_is_stepped_as_often_as_asked(integrator: str, columns: list[str]) -> None:
+    """But for the start, and for one step whose rates complete the last row's."""
+    plan = plan_of(columns, 10, integrator=integrator)
+    for steps in (10, 25):
+        world = FakeWorld(plan)
+        Ended(plan, world, steps)
+        completes = integrator == "implicit" and "joint_rates" in columns and steps == 10
+        assert world.steps == STEPS_AT_START[integrator] + steps + completes
+
+
+def test_implicit_rates_are_means_of_two_half_steps() -> None:
+    for every in (1, 4):
+        plan = plan_of(["joint_rates"], every, one={"initial_rates": 1.0}, time_step=0.01)
+        world = FakeWorld(plan, load=0.5)
+        rows = Ended(plan, world, 20).rows
+        halves = np.array(world.rates)[STEPS_AT_START["implicit"] :, 0]
+        means = (halves[1:] + halves[:-1]) / 2  # at steps 1, 2, ...
+        assert rows[0][1] == pytest.approx(1.0, abs=1e-3)
+        assert [row[1] for row in rows[1:]] == pytest.approx(list(means[every - 1 :: every]))
+
+
+@pytest.mark.parametrize("integrator", ["euler", "explicit"])
+def test_other_rates_are_those_of_the_world(integrator: str) -> None:
+    one = {"initial_rates": 1.0}
+    plan = plan_of(["joint_rates"], one=one, integrator=integrator, time_step=0.01)
+    world = FakeWorld(plan, load=0.5)
+    rows = Ended(plan, world, 20).rows
+    after = np.array(world.rates)[STEPS_AT_START[integrator] :, 0]
+    assert [row[1] for row in rows] == [1.0, *after]
+
+
+def test_a_row_holds_the_state_of_its_time() -> None:
+    columns = ["joint_angles", "spring_torques", "actuation"]
+    one = {
+        "actuation": [{"actuator": 0, "axis": 0, "waypoints": [[0, 0], [0.5, 5]]}],
+        "initial_angles": 0.3,
+    }
+    plan = plan_of(columns, 5, one=one, time_step=0.01)
+    rows = np.array(Ended(plan, FakeWorld(plan), 60).rows)
+    assert np.allclose(rows[:, 2], -20.0 * (rows[:, 1] - 0.1), rtol=0, atol=1e-12)
+    assert np.allclose(rows[:, 3], np.minimum(10 * rows[:, 0], 5.0), rtol=0, atol=1e-12)
+
+
+def test_every_torque_change_is_met_between_looks() -> None:
+    """A pulse of a single step does its work, wherever it falls."""
+    for at in range(1, 40):
+        time = at * 0.001
+        points = [[0, 0], [time - 0.0005, 1], [time + 0.0005, 0]]
+        drive = {"actuator": 0, "axis": 0, "waypoints": points, "interpolation": "step"}
+        one = {"actuation": [drive], "initial_angles": 0.1}
+        plan = plan_of(["joint_angles"], 100, one=one, integrator="explicit")
+        world = FakeWorld(plan)
+        Ended(plan, world, 50)
+        rates = np.array(world.rates)[:, 0]
+        assert not rates[:at].any()
+        assert rates[at] == pytest.approx(0.001 * 1.0 / 0.5)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("rate", [1e9, -1e9, math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize("at", [1, 5, 30])
+def test_a_run_that_diverges_stops(integrator: str, rate: float, at: int) -> None:
+    plan = plan_of(["joint_angles", "joint_rates"], integrator=integrator)
+    world = FakeWorld(plan)
+    joint = world.bodies[0]
+
+    def kick() -> None:
+        joint.rates = np.array([rate])
+
+    world.at_step[STEPS_AT_START[integrator] + at] = kick
+    ended = Ended(plan, world, 100)
+    assert ended.error is not None
+    assert (ended.error.step, ended.error.joint) == (at, "a.actuator_0_joint_01")
+    assert ended.error.time == pytest.approx(0.001 * at)
+    # the rows before it, each once
+    assert ended.times == pytest.approx([row / 1000 for row in range(at)], rel=1e-12)
+
+
+def test_divergence_between_rows_is_noticed_soon() -> None:
+    plan = plan_of(["joint_angles"], every=1000)
+    world = FakeWorld(plan)
+
+    def kick() -> None:
+        world.bodies[0].rates = np.array([1e9])
+
+    world.at_step[STEPS_AT_START["implicit"] + 100] = kick
+    ended = Ended(plan, world, 5000)
+    assert ended.error is not None
+    assert 100 <= ended.error.step <= 120
+    assert ended.times == [0.0]
+
+
+def test_bodies_come_in_the_order_of_the_plan() -> None:
+    names = ["c", "a", "b"]
+    plan = plan_of(["joint_angles"], names=names)
+    world = FakeWorld(plan)
+    for body, angle in zip(world.bodies, (0.1, 0.2, 0.3), strict=True):
+        body.reset([angle], [0.0])
+    # the state at the start is the world's, whatever the plan says
+    plan_explicit = plan_of(["joint_angles"], names=names, integrator="explicit")
+    assert Ended(plan_explicit, world, 0).rows == [[0.0, 0.1, 0.2, 0.3]]
+
+
+def test_an_error_of_the_writer_ends_the_run() -> None:
+    plan = plan_of()
+    written: list[list[float]] = []
+
+    def write(values: Iterable[float]) -> None:
+        if len(written) == 3:
+            raise BrokenPipeError
+        written.append(list(values))
+
+    with pytest.raises(BrokenPipeError):
+        run(plan, FakeWorld(plan), write, 10, clock())
+    assert len(written) == 3
+
+
+def clock() -> Callable[[], float]:
+    return lambda: 0.0
+
+
+TWO_FREE = {
+    "manipulators": [
+        {"definition": "finger.yaml", "initial_angles": 0.1, "base": "free", "name": name}
+        for name in ("a", "b")
+    ],
+    "record": {"columns": ["joint_angles", "joint_rates", "base_pose", "tip_position"]},
+}
+
+
+def test_equal_runs_give_equal_rows_to_the_last_bit() -> None:
+    # far apart, so that they do not touch
+    plan = make_plan(scene_from_text(json.dumps(TWO_FREE), "manipulators[1].position=[1, 0, 0]"))
+    assert rows_of(plan, 100) == rows_of(plan, 100)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_what_is_recorded_changes_nothing_of_the_motion(integrator: str) -> None:
+    step = 1e-4 if integrator == "explicit" else 1e-3
+
+    def angles(every: int, columns: str) -> dict[float, list[float]]:
+        scene = scene_from_file(
+            "scene.yaml",
+            f"record={{every: {every}, columns: [{columns}]}}",
+            f"integrator={integrator}",
+            f"time_step={step}",
+            "manipulators[0].initial_angles=0.1",
+        )
+        return {row[0]: row[1:11] for row in rows_of(scene, 150)}
+
+    all_of_them = angles(1, "joint_angles")
+    for every in (1, 3, 8, 50):
+        for columns in ("joint_angles", "joint_angles, joint_rates"):
+            found = angles(every, columns)
+            assert len(found) == 150 // every + 1
+            assert found == {time: all_of_them[time] for time in found}

@@ -1,0 +1,274 @@
+"""What is divergence and what is not: no false alarm, no late one, and advice that holds."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import re
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from somo_cli.problems import SimulationDiverged
+from somo_cli.simulation import run, watch
+from somo_cli.simulation.bullet import BulletWorld
+from somo_cli.simulation.plan import Plan, make_plan
+from somo_cli.simulation.scene import Scene
+from somo_cli.simulation.springs import Springs
+from somo_cli.simulation.watch import BodyEnergy
+from tests.loading import DEFINITIONS, scene_from_file, scene_from_text, simulated
+from tests.manipulator.bodies import actuator, hinge, manipulator
+from tests.simulation.fake_world import INERTIA, NEUTRAL, STIFFNESS, plan_of_hinges
+
+SCENES = sorted(path.name for path in DEFINITIONS.glob("*scene.yaml"))
+JOINTS = "manipulators[0].definition.actuator_definitions[0].joint_definitions"
+
+
+@pytest.fixture
+def narrow(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Allow half as much as the watch does: ordinary motion is far from an alarm."""
+    monkeypatch.setattr(watch, "ENERGY_RATIO", watch.ENERGY_RATIO / 2)
+
+
+@pytest.mark.usefixtures("narrow")
+@pytest.mark.parametrize("integrator", ["implicit", "euler"])
+@pytest.mark.parametrize("name", SCENES)
+def test_no_alarm_in_the_scenes_we_ship(name: str, integrator: str) -> None:
+    scene = scene_from_file(name, f"integrator={integrator}", "record.every=100")
+    simulated(scene, 1200)
+
+
+@pytest.mark.usefixtures("narrow")
+@pytest.mark.parametrize("integrator", ["implicit", "euler"])
+@pytest.mark.parametrize("time_step", [1e-3, 4e-3])
+@pytest.mark.parametrize(
+    "start",
+    [
+        "base: free",
+        "{base: free, initial_angles: 0.2, initial_rates: 3}",
+        "{base: free, linear_velocity: [2, 0, 5], angular_velocity: [3, -10, 4]}",
+        "{base: constrained, rpy: [1.5707963, 0, 0]}",
+        "{rpy: [1.5707963, 0, 0]}",
+        "{rpy: [0, 1.5707963, 0], initial_angles: 0.3}",
+        "{rpy: [3.14159265, 0, 0], initial_rates: 20}",
+        "{initial_angles: 0.6}",
+    ],
+)
+def test_no_alarm_when_a_finger_falls_or_is_let_go(
+    start: str, time_step: float, integrator: str
+) -> None:
+    finger = json.dumps("finger.yaml")
+    one = start if start.startswith("{") else f"{{{start}}}"
+    text = (
+        f"time_step: {time_step}\nintegrator: {integrator}\n"
+        f"manipulators:\n  - <<: {one}\n    definition: {finger}\n"
+    )
+    simulated(scene_from_text(text, "record={every: 100, columns: [joint_angles]}"), 500)
+
+
+@pytest.mark.usefixtures("narrow")
+def test_no_alarm_for_an_undamped_finger() -> None:
+    undamped = [f"{JOINTS}[{axis}].spring_damping=0" for axis in (0, 1)]
+    simulated(scene_from_file("scene.yaml", *undamped, "manipulators[0].initial_angles=0.3"), 2000)
+
+
+def diverged(plan: Plan, steps: int) -> tuple[SimulationDiverged, list[list[float]]]:
+    rows: list[list[float]] = []
+    with BulletWorld(plan) as world, pytest.raises(SimulationDiverged) as caught:
+        run.run(plan, world, lambda row: rows.append(list(row)), steps, lambda: 0.0)
+    return caught.value, rows
+
+
+def explicit(time_step: float, every: int = 1, *sets: str) -> Plan:
+    """Return the planar finger, whose joints differ 16 times in stiffness, slightly bent."""
+    scene = scene_from_file(
+        "planar_finger_scene.yaml",
+        "integrator=explicit",
+        f"time_step={time_step!r}",
+        f"record={{every: {every}, columns: [joint_angles, joint_rates]}}",
+        "manipulators[0].initial_angles=0.02",
+        "manipulators[0].actuation=[]",
+        "gravity=[0, 0, 0]",
+        *sets,
+    )
+    return make_plan(scene)
+
+
+def advised(error: SimulationDiverged) -> float:
+    match = re.search(r"stable below a step of ([0-9.e+-]+) s", error.hint)
+    assert match, error.hint
+    return float(match[1])
+
+
+@pytest.fixture(scope="module")
+def largest() -> float:
+    return advised(diverged(explicit(1e-3), 100)[0])
+
+
+@pytest.mark.parametrize("damping", [None, 0.0, 1e-4])
+def test_the_step_of_the_advice_is_stable_and_more_is_not(damping: float | None) -> None:
+    sets = [f"{JOINTS}[{joint}].spring_damping={damping}" for joint in range(5) if damping]
+    largest = advised(diverged(explicit(1e-3, 1, *sets), 100)[0])
+    assert 1e-5 < largest < 1e-3
+    simulated(explicit(0.98 * largest, 100, *sets), 4000)
+    diverged(explicit(1.1 * largest, 100, *sets), 4000)
+
+
+@pytest.mark.parametrize("every", [1, 1000])
+@pytest.mark.parametrize("factor", [1.02, 1.1, 2.0, 10.0, 1e3])
+def test_the_alarm_comes_while_numbers_still_mean_something(
+    largest: float, factor: float, every: int
+) -> None:
+    plan = explicit(factor * largest, every)
+    error, rows = diverged(plan, 20_000)
+    assert np.isfinite(rows).all()
+    assert np.abs(np.array(rows)[:, 1:6]).max() < 2 * math.pi
+    assert error.time == pytest.approx(error.step * plan.time_step)
+    assert re.fullmatch(r"planar_finger\.actuator_0_joint_0[1-5]", error.joint)
+
+
+@pytest.mark.parametrize("factor", [1.1, 2.0, 1e2])
+def test_the_alarm_comes_within_few_steps_of_the_growth(largest: float, factor: float) -> None:
+    """Energy, worked out from the rows, is nowhere beyond the bound; soon after, it would be."""
+    plan = explicit(factor * largest)
+    error, rows = diverged(plan, 20_000)
+    assert len(rows) == error.step
+    with BulletWorld(plan) as world:
+        springs = np.array([joint.stiffness for joint in plan.bodies[0].chain.joints])
+        energies = []
+        for row in np.array(rows):
+            angles, rates = row[1:6], row[6:11]
+            mass = world.bodies[0].mass_matrix(angles.tolist())
+            energies.append(rates @ mass @ rates / 2 + springs @ angles**2 / 2)
+    assert max(energies) < 1.5 * watch.ENERGY_RATIO * energies[0]
+
+
+def test_the_joint_that_diverges_is_named() -> None:
+    joints = [hinge(1, 0, 0, spring_stiffness=k) for k in (0.2, 0.2, 900.0, 0.2)]
+    body = manipulator(actuator(4, *joints, planar_flag=2))
+    soft = manipulator(actuator(2, hinge(1, 0, 0, spring_stiffness=1e-3)))
+    scene = {
+        "integrator": "explicit",
+        "manipulators": [
+            {"name": "calm", "definition": soft, "initial_angles": 0.1},
+            {"name": "wild", "definition": body, "position": [1, 0, 0], "initial_angles": 0.01},
+        ],
+    }
+    error, _ = diverged(make_plan(scene_from_text(json.dumps(scene), "time_step=0.0003")), 500)
+    assert error.joint == "wild.actuator_0_joint_03"
+
+
+def test_the_advice_for_the_other_integrators() -> None:
+    def hint(integrator: str) -> str:
+        plan = dataclasses.replace(plan_of_hinges(time_step=0.5), integrator=integrator)
+        with pytest.raises(SimulationDiverged) as caught:
+            watch.check(3, plan, [moving(plan, [1e3])])
+        assert caught.value.reason == "it turns 500 rad in one step"
+        assert (caught.value.step, caught.value.time) == (3, 1.5)
+        return caught.value.hint
+
+    assert hint("implicit") == "try half the step, --time-step 0.25, or integrator: euler"
+    assert hint("euler") == "try half the step, --time-step 0.25"
+
+
+@dataclasses.dataclass
+class Moving:
+    body: watch.Body
+    energy: BodyEnergy
+    fastest: float
+    mass: np.ndarray
+    rates: np.ndarray
+
+
+def moving(plan: Plan, rates: Sequence[float], index: int = 0) -> Moving:
+    """Return a body of hinges at rest at its neutral angles, which then has these rates."""
+    body = plan.bodies[index]
+    ones = np.ones(len(rates))
+    springs = Springs(STIFFNESS * ones, 0.0 * ones, NEUTRAL * ones)
+    energy = BodyEnergy(body, springs, (0.0, 0.0, 0.0))
+    mass = INERTIA * np.diag(ones)
+    for present in (0.0 * ones, np.array(rates)):
+        energy.update(NEUTRAL * ones, present, 0.0 * ones, mass)
+    fastest = float(np.abs(rates).max()) if np.isfinite(rates).all() else math.nan
+    return Moving(body, energy, fastest, mass, np.array(rates))
+
+
+def test_what_is_not_a_number_is_noticed_and_named() -> None:
+    plan = plan_of_hinges(3, names=("a", "b"))
+    still, lost = moving(plan, [0.0] * 3), moving(plan, [0.0, math.nan, 1.0], 1)
+    watch.check(0, plan, [still, still])
+    with pytest.raises(SimulationDiverged) as caught:
+        watch.check(7, plan, [still, lost])
+    assert caught.value.joint == "b.actuator_0_joint_02"
+
+
+def test_energy_of_one_body_may_come_from_another() -> None:
+    plan = plan_of_hinges(1, names=("a", "b"))
+    strikes = moving(plan, [0.0])
+    strikes.energy.update(np.array([NEUTRAL]), np.zeros(1), np.zeros(1), INERTIA * np.eye(1))
+    strikes.energy.let_base_fall(0.0)
+    struck = moving(plan, [1.0], 1)
+    with pytest.raises(SimulationDiverged):
+        watch.check(1, plan, [strikes, struck])
+    # the first one had been bent, and gave what it had
+    bent = BodyEnergy(plan.bodies[0], Springs(np.array([STIFFNESS]), np.zeros(1), np.zeros(1)),
+                      (0.0, 0.0, 0.0))  # fmt: skip
+    one = (np.zeros(1), np.zeros(1), INERTIA * np.eye(1))
+    bent.update(np.array([0.3]), *one)
+    bent.update(np.array([0.0]), *one)
+    strikes.energy = bent
+    watch.check(1, plan, [strikes, struck])
+
+
+def of_hinge(gravity: float = 0.0, **start: object) -> BodyEnergy:
+    body = plan_of_hinges(1).bodies[0]
+    body = dataclasses.replace(body, start=dataclasses.replace(body.start, **start))  # type: ignore[arg-type]
+    springs = Springs(np.array([STIFFNESS]), np.zeros(1), np.array([NEUTRAL]))
+    return BodyEnergy(body, springs, (0.0, 0.0, -gravity))
+
+
+def test_the_energy_is_that_of_motion_and_springs() -> None:
+    energy = of_hinge()
+    energy.update(np.array([0.4]), np.array([3.0]), np.zeros(1), INERTIA * np.eye(1))
+    expected = 0.5 * INERTIA * 9 + 0.5 * STIFFNESS * 0.3**2
+    assert energy.present == pytest.approx(expected)
+    assert energy.bound == pytest.approx(expected)
+    shares = energy.by_joint(np.array([3.0]), INERTIA * np.eye(1))
+    assert shares == pytest.approx([expected])
+
+
+def test_the_bound_grows_by_the_most_work_done() -> None:
+    energy = of_hinge()
+    bounds = []
+    for angle, torque in ((0.1, 0.0), (0.1, 2.0), (0.4, 2.0), (0.6, 4.0), (0.2, 4.0)):
+        energy.update(np.array([angle]), np.zeros(1), np.array([torque]), INERTIA * np.eye(1))
+        bounds.append(energy.bound)
+    assert bounds == pytest.approx([0.0, 0.0, 0.6, 1.2, 1.2])
+
+
+def test_the_bound_knows_gravity_and_the_base() -> None:
+    still = of_hinge()
+    heavy = of_hinge(gravity=9.81)
+    thrown = of_hinge(linear_velocity=(0.0, 3.0, 0.0), angular_velocity=(1.0, 0.0, 0.0))
+    assert still.bound == 0.0
+    # two links of 1.5 g whose centres are 5 mm and 15 mm from the base's origin, twice over
+    assert heavy.bound == pytest.approx(9.81 * 2 * 0.0015 * (0.005 + 0.015), rel=1e-6)
+    assert thrown.bound > 0.5 * 0.003 * 9
+    heavy.let_base_fall(2.0)
+    heavy.let_base_fall(1.0)
+    assert heavy.bound == pytest.approx(9.81 * (2 * 0.0015 * 0.02 + 0.003 * 2.0), rel=1e-6)
+
+
+def test_small_motion_is_never_called_divergence() -> None:
+    plan = plan_of_hinges(1)
+    one = moving(plan, [0.0])
+    angles = np.array([NEUTRAL + 0.5 * watch.SMALL_ANGLE])
+    one.energy.update(angles, np.zeros(1), np.zeros(1), INERTIA * np.eye(1))
+    watch.check(1, plan, [one])
+
+
+def test_scenes_are_found() -> None:
+    assert len(SCENES) >= 5
+    assert isinstance(scene_from_file(SCENES[0]), Scene)
