@@ -86,13 +86,14 @@ class BulletWorld:
     def _set_up(self) -> None:
         # advances every body by one time step; torques last for one step
         self.step = partial(self._bullet.stepSimulation, self._client)
-        # the cache would serve an old file under a known name, even after a reset
-        # the solver would be content with an error of 3e-4 engine units of impulse, which to a
-        # constraint, contact or dry friction of a small body is as good as any
+        # the cache would serve an old file under a known name, even after a reset; the solver would
+        # be content with 50 iterations, or with an error of 3e-4 engine units of impulse, which to
+        # the constraints, contacts and dry friction of a small body is as good as any
         self._bullet.setPhysicsEngineParameter(
             enableFileCaching=0,
             fixedTimeStep=self._plan.time_step,
-            solverResidualThreshold=0,
+            numSolverIterations=200,
+            solverResidualThreshold=1e-30,
             physicsClientId=self._client,
         )
         self._bullet.setGravity(*self._plan.gravity, physicsClientId=self._client)
@@ -100,7 +101,9 @@ class BulletWorld:
             for number, body in enumerate(self._plan.bodies):
                 path = Path(folder) / f"{number}.urdf"
                 path.write_text(body.urdf, encoding="utf-8")
-                self.bodies.append(BulletBody(self._bullet, self._client, body, str(path)))
+                self.bodies.append(
+                    BulletBody(self._bullet, self._client, body, self._plan.gravity, str(path))
+                )
 
     def _loading(self) -> str:
         return self._plan.bodies[min(len(self.bodies), len(self._plan.bodies) - 1)].name
@@ -109,11 +112,11 @@ class BulletWorld:
 class BulletBody:
     """One manipulator in the engine; joints in the order of its chain, engine units."""
 
-    def __init__(self, bullet: Any, client: int, body: Body, path: str) -> None:
+    def __init__(self, bullet: Any, client: int, body: Body, gravity: Vector, path: str) -> None:
         self._bullet = bullet
         self._client = client
         self._body = body
-        self._orientation = bullet.getQuaternionFromEuler(body.start.rpy)
+        self._gravity = gravity
         # self-collision stays off; the inertia must come from the file, or the engine computes
         # its own from the collision shapes
         flags = bullet.URDF_USE_INERTIA_FROM_FILE | bullet.URDF_USE_IMPLICIT_CYLINDER
@@ -137,6 +140,8 @@ class BulletBody:
         self._release()
         self._com_in_base, self._inertial_in_base = self._base_inertial_frame()
         self.reset(body.start.angles, body.start.rates)
+        self._gravity_in_base = geometry.rotate(_transposed(self._base_axes()), gravity)
+        self._is_tilted = max(map(abs, geometry.subtract(gravity, self._gravity_in_base))) > 0
         if body.base == "constrained":
             self._hold_base()
 
@@ -187,13 +192,26 @@ class BulletBody:
 
         Shape (n,), the joint torques, with the base at rest; for a free base (6 + n,), with the
         torque and the force on its centre of mass first, in its own axes, `spin` [rad/s] being
-        its angular velocity in the world. Gravity is right only for a base that stands upright
-        (the engine ignores the orientation here), so take differences between rates at the same
-        angles.
+        its angular velocity in the world. The gravity is that of the start pose of the base,
+        which makes no difference to what the joints of a free body feel.
         """
+        if not self._is_tilted:
+            return self._bias(angles, rates, spin)
+        # seen in 3.2.7: inverse dynamics takes the base to stand upright, whatever its pose
+        set_gravity = partial(self._bullet.setGravity, physicsClientId=self._client)
+        set_gravity(*self._gravity_in_base)
+        forces = self._bias(angles, rates, spin)
+        set_gravity(*self._gravity)
+        return forces
+
+    def _bias(
+        self, angles: Sequence[float], rates: Sequence[float], spin: Sequence[float]
+    ) -> Array:
         inverse = self._bullet.calculateInverseDynamics
         if self._body.base == "static":
-            return np.array(inverse(self.index, angles, rates, self._zeros, self._client))
+            return np.array(
+                inverse(self.index, angles, rates, self._zeros, physicsClientId=self._client)
+            )
         # seen in 3.2.7: base rates go in as (angular, linear) in the base's own axes, base forces
         # come out as (linear, angular); linear rates change nothing here
         in_world = _vector(spin) if self._is_free else geometry.ZERO
@@ -204,7 +222,7 @@ class BulletBody:
                 [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, *angles],
                 [x, y, z, 0.0, 0.0, 0.0, *rates],
                 [0.0] * 6 + self._zeros,
-                self._client,
+                physicsClientId=self._client,
             )
         )
         if not self._is_free:

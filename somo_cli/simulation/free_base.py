@@ -40,7 +40,7 @@ class FreeRunner(Runner):
 
         return pull
 
-    def _is_calm(self) -> bool:
+    def _is_calm(self, last_correction: Array) -> bool:
         return False
 
     def _push_corrected(self) -> None:

@@ -19,9 +19,10 @@ from somo_cli.simulation.watch import BodyEnergy
 
 CALM_REFRESH = 0.05  # rad: the mass matrix is renewed once the joints have moved this far, as the
 SWIFT_REFRESH = 0.015  # root of the sum of squares over the joints
-CALM_PHASE = 0.5  # rad of the slowest mode between two looks: with larger steps no body is calm
+CALM_PHASE = 0.2  # rad of the slowest mode between two looks: with larger steps no body is calm
+CALM_FALL = 0.25  # rad of the fastest mode of gravity alone in a step: likewise
 CALM_ANGLE = 0.005  # rad per step: a body with a faster joint is not calm
-CALM_CHANGE = 10.0  # rad/s²: times the step squared, what holding may cost in a block [rad]
+CALM_CHANGE = 3.0  # rad/s²: times the step squared, what holding may cost in a block [rad]
 STEPS_BETWEEN_LOOKS = 8
 
 
@@ -89,13 +90,15 @@ class Runner:
         self.law = SpringLaw(springs, plan.time_step, plan.integrator)
         self.energy = BodyEnergy(body, springs, plan.gravity)
         self.mass: Array = np.zeros((0, 0))
+        self.mass_at_start: Array = self.mass
         self.fastest = 0.0  # rad/s
         self._mass_angles: Array = np.zeros(0)
         self._push_held = self._make_push_held()
         self.push: Callable[[], None] = self._push_swiftly
         """Applies the torques of the law to the world."""
         self._refresh_angle = SWIFT_REFRESH
-        self._correction: Array = np.zeros(len(joints))
+        self._fastest_fall = math.inf
+        self._looked_at: tuple[Array, Array] | None = None  # correction and bias at the last look
         self._resistance: Array = np.ones(len(joints))
         self._drives = [(drive.signal.at, _as_slice(drive.joints)) for drive in body.drives]
         self.pull = self._make_pull()
@@ -132,16 +135,20 @@ class Runner:
             self.push()
             return
         self._push_corrected()
-        is_calm = self._is_calm()
+        assert law.bias is not None
+        is_calm = self._looked_at is not None and self._is_calm(self._looked_at[0])
+        if is_calm and self._looked_at is not None:
+            law.hold((self._looked_at[1] - law.bias) / STEPS_BETWEEN_LOOKS)
         self.push = self._push_held if is_calm else self._push_swiftly
         self._refresh_angle = CALM_REFRESH if is_calm else SWIFT_REFRESH
-        self._correction = law.correction
+        self._looked_at = law.correction, law.bias
 
-    def _is_calm(self) -> bool:
+    def _is_calm(self, last_correction: Array) -> bool:
         law = self.law
-        change = np.abs(law.correction - self._correction) / self._resistance
+        change = np.abs(law.correction - last_correction) / self._resistance
         return (
             STEPS_BETWEEN_LOOKS * law.time_step * law.slowest_mode <= CALM_PHASE
+            and law.time_step * self._fastest_fall <= CALM_FALL
             and self.fastest * law.time_step <= CALM_ANGLE
             and float(change.max()) <= CALM_CHANGE * law.time_step**2
         )
@@ -209,6 +216,25 @@ class Runner:
         spin = self.body.start.angular_velocity
         bias = self.world_body.bias(self.law.angles.tolist(), rates.tolist(), spin)
         self.law.measure(force, self.world_body.felt_by_joints(bias))
+        self._fastest_fall = self._gravity_mode()
+
+    def _gravity_mode(self) -> float:
+        """Return the highest natural frequency [rad/s] that gravity gives the chain at its start.
+
+        Of M q'' + G q = 0, G the gradient of gravity's torques; of either sign. The measured
+        force is a step old while a correction is held, which is unstable for steps beyond it.
+        """
+        angles, small = self.law.angles, 1e-4
+        still = [0.0] * len(angles)
+
+        def torques(where: Array) -> Array:
+            bias = self.world_body.bias(where.tolist(), still, (0.0, 0.0, 0.0))
+            return self.world_body.felt_by_joints(bias)
+
+        steps = small * np.eye(len(angles))
+        gradient = [torques(angles + step) - torques(angles - step) for step in steps]
+        modes = np.linalg.eigvals(np.linalg.solve(self.mass, np.array(gradient).T / (2 * small)))
+        return math.sqrt(float(np.abs(modes).max()))
 
     def go_to_start(
         self,
@@ -239,6 +265,7 @@ def begin(plan: Plan, world: World, runners: Sequence[Runner]) -> None:
     for runner in runners:
         runner.pull()
         runner.refresh()
+        runner.mass_at_start = runner.mass
     if plan.integrator == "explicit":
         return
     bases = [runner.world_body.base_velocity() for runner in runners]

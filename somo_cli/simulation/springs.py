@@ -24,8 +24,8 @@ inverse dynamics at q, the half step is made up for by acting as if u were large
 
     c(v) - c(v + h/2 a),  and f by  c_prev - c(v), where it is a step old.
 
-`SpringLaw.correct` does so in full; what `SpringLaw.make_hold` returns keeps the last correction,
-which is enough, and still second order, where a few steps turn no joint far.
+`SpringLaw.correct` does so in full; `SpringLaw.hold` keeps the last correction, which is enough,
+and still second order, where a few steps turn no joint far.
 
 Newmark, J. Eng. Mech. Div. ASCE 85 (1959) 67; Hairer, Lubich, Wanner, Geometric Numerical
 Integration, ch. I.1.4 (leapfrog); Steihaug and Wolfbrandt, Math. Comp. 33 (1979) 521 (why an old
@@ -84,12 +84,12 @@ class SpringLaw:
         self.state[-1] = 1.0
         self.angles = self.state[:n]
         self.rates = self.state[n : 2 * n]
-        self.actuation: Array = np.zeros(n)
+        self.actuation = self.state[4 * n : 5 * n]
         self._motion = self.state[n : 2 * n], self.state[2 * n : 3 * n]
         self._previous_torques = self.state[3 * n : 4 * n]
-        self._load = self.state[4 * n : 5 * n]  # actuation and correction
         self.correction: Array = np.zeros(n)
-        self._previous_bias: Array | None = None
+        self.bias: Array | None = None  # at the start of the last step, if it was corrected
+        self._held: Array = np.zeros(n)  # torques that hold the last correction
         self._mass: Array | None = None
         self._beta: float | None = None
         self.slowest_mode = 0.0  # rad/s, where the run starts
@@ -151,25 +151,32 @@ class SpringLaw:
         rates, previous = self._motion
         previous[:] = rates
         self._previous_torques[:] = -force
-        self._previous_bias = bias
+        self.bias = bias
+
+    def hold(self, drift: Array) -> None:
+        """Keep the last correction for the steps to come, as `make_hold` does them.
+
+        `drift` is how much the bias forces fall from step to step, shape (n,): the measured force
+        is a step old by that much.
+        """
+        self._held[:] = self._rest.dot(self.correction + drift) - drift
 
     def make_hold(self) -> Callable[[], list[float]]:
         """Return the function that gives the torques for the coming step in most steps.
 
-        The last correction stays. All names are bound here, because this is where a run spends
-        its time.
+        All names are bound here, because this is where a run spends its time.
         """
-        state, torques = self.state, self._torques
+        state, torques, held = self.state, self._torques, self._held
         rates, previous = self._motion
-        previous_torques, load = self._previous_torques, self._load
-        actuation, tolist, add, law = self.actuation, torques.tolist, np.add, self
+        previous_torques = self._previous_torques
+        tolist, add, law = torques.tolist, np.add, self
 
         def hold() -> list[float]:
-            add(actuation, law.correction, load)
             law._to_torques.dot(state, torques)
+            add(torques, held, torques)
             previous[:] = rates
             previous_torques[:] = torques
-            law._previous_bias = None
+            law.bias = None
             values: list[float] = tolist()
             return values
 
@@ -181,20 +188,17 @@ class SpringLaw:
         `bias` holds the bias forces at the present angles and rates, shape (n,), and
         `bias_at(rates)` gives them at other rates.
         """
-        if self._previous_bias is not None:
-            self._previous_torques -= self._previous_bias - bias
-        self._load[:] = self.actuation
+        if self.bias is not None:
+            self._previous_torques -= self.bias - bias
         coming = self.rates + self._to_half_change.dot(self.state)
         torques = self._torques
         self._to_torques.dot(self.state, torques)
-        correction = bias - bias_at(coming)
-        torques += self._rest.dot(correction)
-        self._load += correction
-        self.correction = correction
+        self.correction = bias - bias_at(coming)
+        torques += self._rest.dot(self.correction)
         rates, previous = self._motion
         previous[:] = rates
         self._previous_torques[:] = torques
-        self._previous_bias = bias
+        self.bias = bias
         values: list[float] = torques.tolist()
         return values
 

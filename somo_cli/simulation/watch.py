@@ -78,6 +78,7 @@ class Moving(Protocol):
     energy: BodyEnergy
     fastest: float
     mass: Array
+    mass_at_start: Array
 
     @property
     def rates(self) -> Array:
@@ -120,7 +121,7 @@ def _refuse(step: int, plan: Plan, bodies: Sequence[Moving]) -> None:
         step * plan.time_step,
         f"{body.name}.{body.chain.joints[joint].name}",
         reason,
-        _advice(plan, body, culprit.mass),
+        _advice(plan, body, culprit.mass_at_start),
     )
 
 
@@ -135,7 +136,7 @@ def _advice(plan: Plan, body: Body, mass: Array) -> str:
         damping = [joint.damping for joint in body.chain.joints]
         largest = largest_explicit_step(mass, stiffness, damping)
         return (
-            f"the explicit integrator is stable below a step of {largest:.3g} s here; "
+            f"the explicit integrator is stable below a step of {largest:.3g} s at the start; "
             "use integrator: implicit, or such a step"
         )
     if plan.integrator == "implicit":

@@ -83,6 +83,9 @@ def microseconds_of_classic(plan: Plan) -> float:
         body: BulletBody = world.bodies[0]
         bullet, client, index = body._bullet, body._client, body.index
         joints = plan.bodies[0].chain.joints
+        bullet.setPhysicsEngineParameter(  # the engine's defaults, as users have them
+            numSolverIterations=50, solverResidualThreshold=1e-7, physicsClientId=client
+        )
         for joint in range(len(joints)):
             bullet.setJointMotorControl2(
                 index, joint, bullet.VELOCITY_CONTROL, force=1.0, physicsClientId=client
