@@ -246,6 +246,16 @@ def check(
     raise typer.Exit(5 if is_unreadable else int(_has_errors(found)))
 
 
+@app.command(epilog=EXIT_CODES)
+@_ending
+def examples(
+    folder: Annotated[str, typer.Argument(help="A folder to make.")] = "somo-examples",
+) -> None:
+    """Copy the shipped definitions, scenes and schemas into a new folder."""
+    for path in files.copy_examples(folder):
+        typer.echo(path)
+
+
 def _load(path: str, sets: Sequence[str]) -> "Document":
     """Read a definition or scene, override values, and put in the files it names.
 
@@ -354,7 +364,7 @@ def _simulate(
         source: text for source, text in document.texts.items() if not source.startswith("--set")
     }
     about = metadata(plan, summary, inputs, sets, names)
-    if output != "-":
+    if output != "-" and not files.is_direct(output):
         files.write_whole(_beside(output), json.dumps(about, indent=2) + "\n")
     if not quiet:
         target = "standard output" if output == "-" else output

@@ -6,6 +6,7 @@ import errno
 import os
 import re
 import secrets
+import shutil
 import stat
 import sys
 from collections.abc import Iterator
@@ -57,7 +58,7 @@ def write_whole(path: str, text: str) -> None:
     written directly. Raises OSError.
     """
     content = text.encode("utf-8")
-    if _is_direct(path):
+    if is_direct(path):
         with Path(path).open("wb") as device:
             device.write(content)
         return
@@ -80,6 +81,20 @@ def write_whole(path: str, text: str) -> None:
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
+
+
+def copy_examples(folder: str) -> list[str]:
+    """Copy the shipped definitions, and the schemas they name, into a new folder.
+
+    Returns the paths of the definitions. Raises OSError, also if the folder exists.
+    """
+    here = Path(__file__).parent
+    shipped = here if (here / "definitions").is_dir() else here.parent  # wheel, else checkout
+    target = Path(folder)
+    target.mkdir(parents=True)
+    for part in ("definitions", "schemas"):
+        shutil.copytree(shipped / part, target / part)
+    return sorted(str(path) for path in (target / "definitions").glob("*.yaml"))
 
 
 def open_standard_streams() -> None:
@@ -111,7 +126,7 @@ def partial(path: str) -> Iterator[TextIO]:
         with _closing(os.fdopen(os.dup(1), "w", encoding="utf-8", newline="\n")) as stream:
             yield stream
         return
-    if _is_direct(path):
+    if is_direct(path):
         with _closing(Path(path).open("w", encoding="utf-8", newline="\n")) as stream:
             yield stream
         return
@@ -159,7 +174,8 @@ def _read(path: Path, source: str) -> str:
         raise InvalidFile([Problem(span, message, hint)], texts) from error
 
 
-def _is_direct(path: str) -> bool:
+def is_direct(path: str) -> bool:
+    """Whether a path is a device, a pipe or a stream, which nothing can be put beside."""
     # Replacing /dev/stdout by a new file would take it from the shell that opened it.
     if str(Path(path).absolute()).startswith(_STREAMS):
         return True

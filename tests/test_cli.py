@@ -25,7 +25,7 @@ from tests.conftest import Somo
 VALID = Path(__file__).parent / "cases" / "valid"
 Start = Callable[..., "subprocess.Popen[str]"]
 
-COMMANDS = ("build", "run", "check")
+COMMANDS = ("build", "run", "check", "examples")
 HEAVY = {"numpy", "pybullet", "rich", "scipy", "trimesh", "yourdfpy"}
 
 BENT = """\
@@ -649,3 +649,23 @@ def test_a_locale_with_commas_makes_the_same_bytes(
     somo: Somo, here: Path, comma_locale: dict[str, str]
 ) -> None:
     assert made(somo, here, env=comma_locale) == made(somo, here)
+
+
+# --- examples
+
+
+def test_examples_are_copied_and_check(somo: Somo, tmp_path: Path) -> None:
+    ended = somo("examples", "copies")
+    paths = ended.stdout.split()
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert "copies/definitions/finger.yaml" in paths
+    assert somo("check", *paths).returncode == 0
+    schema = (tmp_path / paths[0]).read_text().splitlines()[0].rsplit("=", 1)[1]
+    assert (tmp_path / "copies" / "definitions" / schema).is_file()
+    again = somo("examples", "copies")
+    assert (again.returncode, again.stderr) == (5, "somo: copies: File exists\n")
+
+
+def test_a_device_gets_no_metadata_beside_it(somo: Somo) -> None:
+    assert somo("run", VALID / "smallest.yaml", "--steps", 2, "-o", "/dev/null").returncode == 0
+    assert not Path("/dev/null.meta.json").exists()

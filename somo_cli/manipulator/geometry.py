@@ -71,6 +71,15 @@ def multiply(a: Matrix, b: Matrix) -> Matrix:
     )
 
 
+def transposed(r: Matrix) -> Matrix:
+    """Return rᵀ, the inverse of a rotation."""
+    return (
+        (r[0][0], r[1][0], r[2][0]),
+        (r[0][1], r[1][1], r[2][1]),
+        (r[0][2], r[1][2], r[2][2]),
+    )
+
+
 def rotation_from_rpy(rpy: Vector) -> Matrix:
     """Return the rotation of URDF's roll, pitch, yaw [rad]: Rz(yaw) · Ry(pitch) · Rx(roll)."""
     (cr, cp, cy) = (math.cos(angle) for angle in rpy)
@@ -137,12 +146,7 @@ def rotated_tensor(tensor: Tensor, rotation: Matrix) -> Tensor:
     """Return rotation · tensor · rotationᵀ."""
     xx, xy, xz, yy, yz, zz = tensor
     full: Matrix = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
-    transposed: Matrix = (
-        (rotation[0][0], rotation[1][0], rotation[2][0]),
-        (rotation[0][1], rotation[1][1], rotation[2][1]),
-        (rotation[0][2], rotation[1][2], rotation[2][2]),
-    )
-    r = multiply(multiply(rotation, full), transposed)
+    r = multiply(multiply(rotation, full), transposed(rotation))
     return (r[0][0], r[0][1], r[0][2], r[1][1], r[1][2], r[2][2])
 
 

@@ -119,10 +119,10 @@ def _manipulator_faults(
     yield from of_definition
     base = data.get("base", "static")
     for key in ("linear_velocity", "angular_velocity"):
-        if key in data and base == "static":
+        if key in data and base in ("static", "constrained"):
             yield Problem(
                 document.span((*at, key), key=True),
-                f"{key} is for a base that can move, this one is static",
+                f"{key} is for a base that can move, this one is {base}",
                 "set base: free, or leave it out",
             )
     actuation = data.get("actuation")

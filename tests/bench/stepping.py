@@ -15,7 +15,8 @@ import time
 from collections.abc import Iterable
 
 from somo_cli.simulation import run as stepping
-from somo_cli.simulation.bullet import BulletBody, BulletWorld
+from somo_cli.simulation.bullet import BulletWorld
+from somo_cli.simulation.bullet_body import BulletBody
 from somo_cli.simulation.plan import Plan, make_plan
 from tests.loading import scene_from_file
 

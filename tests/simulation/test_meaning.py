@@ -56,11 +56,13 @@ def test_a_fault_in_a_definition_is_told_at_its_place() -> None:
     assert [text for text, _ in told(definition=two_axes)] == ['"joint_definitions"']
 
 
-def test_a_static_base_has_no_velocity() -> None:
-    message = "{} is for a base that can move, this one is static"
+def test_a_base_that_is_held_has_no_velocity() -> None:
+    message = "{} is for a base that can move, this one is {}"
     for key in ("linear_velocity", "angular_velocity"):
-        assert told(**{key: [0, 0, 1]}) == [(f'"{key}"', message.format(key))]
-        assert told(**{key: [0, 0, 1], "base": "constrained"}) == []
+        for base in ("static", "constrained"):
+            said = (f'"{key}"', message.format(key, base))
+            assert told(**{key: [0, 0, 1], "base": base}) == [said]
+        assert told(**{key: [0, 0, 1], "base": "free"}) == []
 
 
 def test_a_drive_has_torque_or_way_points() -> None:

@@ -1,0 +1,307 @@
+"""One body in PyBullet: loading, releasing and reading it back, its motion and its dynamics.
+
+The engine's module is handed in by `bullet`, which alone imports it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator.geometry import Vector
+from somo_cli.manipulator.kinematics import Pose
+from somo_cli.problems import EngineRefused
+from somo_cli.simulation.plan import Body
+from somo_cli.simulation.readback import EngineJoint, EngineLink, mismatches
+from somo_cli.simulation.springs import Array
+
+UNLIMITED_RATE = 1e12  # rad/s; the engine's own clamp of 100 hides divergence
+
+
+class BulletBody:
+    """One manipulator in the engine; joints in the order of its chain, engine units."""
+
+    def __init__(self, bullet: Any, client: int, body: Body, gravity: Vector, path: str) -> None:
+        self._bullet = bullet
+        self._client = client
+        self._body = body
+        self._gravity = gravity
+        # self-collision stays off; the inertia must come from the file, or the engine computes
+        # its own from the collision shapes
+        flags = bullet.URDF_USE_INERTIA_FROM_FILE | bullet.URDF_USE_IMPLICIT_CYLINDER
+        self.index: int = bullet.loadURDF(
+            path,
+            useFixedBase=body.base == "static",
+            flags=flags,
+            physicsClientId=client,
+        )
+        self._joints = self._joint_indices()
+        self._zeros = [0.0] * len(self._joints)
+        self._is_free = body.base == "free"
+        self._base_to_joints: Array = np.zeros((len(self._joints), 6))
+        # bound once, without a Python frame of ours between loop and engine: one tuple per joint,
+        # base to tip, that starts with angle and rate
+        self.joint_states: Callable[[], Any] = partial(
+            bullet.getJointStates, self.index, self._joints, client
+        )
+        self.apply = self._make_apply()
+        self._read_back()
+        self._release()
+        self._com_in_base, self._inertial_in_base = self._base_inertial_frame()
+        self.reset(body.start.angles, body.start.rates)
+        self._gravity_in_base = geometry.rotate(geometry.transposed(self._base_axes()), gravity)
+        self._is_tilted = max(map(abs, geometry.subtract(gravity, self._gravity_in_base))) > 0
+        if body.base == "constrained":
+            self._hold_base()
+
+    def _make_apply(self) -> Callable[[Sequence[float]], None]:
+        """Return the function that applies joint torques, base to tip, during the next step."""
+        index, joints, client = self.index, self._joints, self._client
+        control, mode = self._bullet.setJointMotorControlArray, self._bullet.TORQUE_CONTROL
+
+        def apply(torques: Sequence[float]) -> None:
+            control(index, joints, mode, forces=torques, physicsClientId=client)
+
+        return apply
+
+    def mass_matrix(self, angles: Sequence[float]) -> Array:
+        """Return the joint-space inertia at these angles, shape (n, n).
+
+        For a free base it is the Schur complement in which the base is eliminated: what the
+        joints feel when nothing holds the base. A constrained base is held within the step.
+        """
+        # the base's rows, if it can move, come first: angular, then linear, in its own frame
+        try:
+            matrix = np.array(
+                self._bullet.calculateMassMatrix(self.index, angles, physicsClientId=self._client)
+            )
+        except (SystemError, self._bullet.error) as error:
+            # seen in 3.2.7: it takes rounding of more than 1e-15 for an inertia that is not
+            # symmetric, so one of more than about 1 engine unit, in turned axes, is refused
+            raise EngineRefused(
+                self._body.name,
+                "its inertias are too large for the engine's dynamics; the mass factor of "
+                "world_scale changes no result, so choose a smaller one, such as "
+                "world_scale: {length: 20, mass: 0.001}",
+            ) from error
+        n = len(self._joints)
+        if len(matrix) == n:
+            return matrix
+        base, across, joints = matrix[:6, :6], matrix[:6, 6:], matrix[6:, 6:]
+        if not self._is_free:
+            return joints
+        self._base_to_joints = np.linalg.solve(base, across).T
+        reduced: Array = joints - self._base_to_joints @ across
+        return (reduced + reduced.T) / 2
+
+    def bias(
+        self, angles: Sequence[float], rates: Sequence[float], spin: Sequence[float] = ()
+    ) -> Array:
+        """Return the forces that gravity and Coriolis terms ask for.
+
+        Shape (n,), the joint torques, with the base at rest; for a free base (6 + n,), with the
+        torque and the force on its centre of mass first, in its own axes, `spin` [rad/s] being
+        its angular velocity in the world. The gravity is that of the start pose of the base,
+        which makes no difference to what the joints of a free body feel.
+        """
+        if not self._is_tilted:
+            return self._bias(angles, rates, spin)
+        # seen in 3.2.7: inverse dynamics takes the base to stand upright, whatever its pose
+        set_gravity = partial(self._bullet.setGravity, physicsClientId=self._client)
+        set_gravity(*self._gravity_in_base)
+        forces = self._bias(angles, rates, spin)
+        set_gravity(*self._gravity)
+        return forces
+
+    def _bias(
+        self, angles: Sequence[float], rates: Sequence[float], spin: Sequence[float]
+    ) -> Array:
+        inverse = self._bullet.calculateInverseDynamics
+        if self._body.base == "static":
+            return np.array(
+                inverse(self.index, angles, rates, self._zeros, physicsClientId=self._client)
+            )
+        # seen in 3.2.7: base rates go in as (angular, linear) in the base's own axes, base forces
+        # come out as (linear, angular); linear rates change nothing here
+        in_world = _vector(spin) if self._is_free else geometry.ZERO
+        x, y, z = geometry.rotate(geometry.transposed(self._base_axes()), in_world)
+        forces = np.array(
+            inverse(
+                self.index,
+                [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, *angles],
+                [x, y, z, 0.0, 0.0, 0.0, *rates],
+                [0.0] * 6 + self._zeros,
+                physicsClientId=self._client,
+            )
+        )
+        if not self._is_free:
+            return forces[6:]
+        return np.concatenate([forces[3:6], forces[:3], forces[6:]])
+
+    def felt_by_joints(self, forces: Array) -> Array:
+        """Return the joint torques, shape (n,), that accelerate the joints as these forces do.
+
+        For a free base the forces, as `bias` gives them, include some on the base.
+        """
+        if not self._is_free:
+            return forces
+        felt: Array = forces[6:] - self._base_to_joints @ forces[:6]
+        return felt
+
+    def push_base(self, wrench: Array) -> None:
+        """Apply a torque and a force, shape (6,), to the base's centre of mass in the next step.
+
+        In the base's own axes, as `bias` gives them.
+        """
+        axes = self._base_axes()
+        torque = geometry.rotate(axes, _vector(wrench[:3]))
+        force = geometry.rotate(axes, _vector(wrench[3:]))
+        bullet, client, world = self._bullet, self._client, self._bullet.WORLD_FRAME
+        centre, _ = bullet.getBasePositionAndOrientation(self.index, client)
+        bullet.applyExternalForce(self.index, -1, force, centre, world, physicsClientId=client)
+        bullet.applyExternalTorque(self.index, -1, torque, world, physicsClientId=client)
+
+    def _base_axes(self) -> geometry.Matrix:
+        _, orientation = self._bullet.getBasePositionAndOrientation(self.index, self._client)
+        return geometry.rotation_from_quaternion(orientation)
+
+    def base_pose(self) -> Pose:
+        """Return the pose in the world of the base's URDF frame; the engine tells the centre's."""
+        centre, orientation = self._bullet.getBasePositionAndOrientation(self.index, self._client)
+        rotation = geometry.multiply(
+            geometry.rotation_from_quaternion(orientation),
+            geometry.transposed(self._inertial_in_base),
+        )
+        offset = geometry.rotate(rotation, self._com_in_base)
+        return Pose(geometry.subtract(centre, offset), rotation)
+
+    def base_velocity(self) -> tuple[Vector, Vector]:
+        """Return the velocity of the base's centre of mass and its angular velocity, in world."""
+        linear, angular = self._bullet.getBaseVelocity(self.index, self._client)
+        return linear, angular
+
+    def reset(
+        self,
+        angles: Sequence[float],
+        rates: Sequence[float],
+        base_velocity: tuple[Vector, Vector] | None = None,
+    ) -> None:
+        """Put the body at its start pose with these joint angles and rates.
+
+        The base moves as the plan says, or with the velocity of its centre of mass and the
+        angular velocity given.
+        """
+        start = self._body.start
+        frame = Pose(start.position, geometry.rotation_from_rpy(start.rpy))
+        rotation = geometry.multiply(frame.rotation, self._inertial_in_base)
+        # setting the pose zeroes the velocity, so pose comes first
+        self._bullet.resetBasePositionAndOrientation(
+            self.index,
+            frame.point(self._com_in_base),
+            geometry.quaternion_from_rotation(rotation),
+            self._client,
+        )
+        if self._body.base != "static":
+            linear, angular = base_velocity or self._start_velocity(frame)
+            self._bullet.resetBaseVelocity(
+                self.index, linear, angular, physicsClientId=self._client
+            )
+        for joint, angle, rate in zip(self._joints, angles, rates, strict=True):
+            self._bullet.resetJointState(self.index, joint, angle, rate, self._client)
+
+    def _start_velocity(self, frame: Pose) -> tuple[Vector, Vector]:
+        """Return the start velocity of the base's centre of mass: v + ω x r, and ω."""
+        start = self._body.start
+        x, y, z = geometry.rotate(frame.rotation, self._com_in_base)
+        wx, wy, wz = start.angular_velocity
+        swing = (wy * z - wz * y, wz * x - wx * z, wx * y - wy * x)
+        return geometry.add(start.linear_velocity, swing), start.angular_velocity
+
+    def _joint_indices(self) -> list[int]:
+        bullet, client = self._bullet, self._client
+        by_name = {}
+        for index in range(bullet.getNumJoints(self.index, client)):
+            by_name[bullet.getJointInfo(self.index, index, client)[1].decode()] = index
+        missing = [joint.name for joint in self._body.chain.joints if joint.name not in by_name]
+        if missing or len(by_name) != len(self._body.chain.joints):
+            raise EngineRefused(self._body.name, f"{len(by_name)} joints, missing {missing}")
+        return [by_name[joint.name] for joint in self._body.chain.joints]
+
+    def _release(self) -> None:
+        """Switch off what is in nobody's model: engine damping, rate clamp, joint motors."""
+        bullet, body, client = self._bullet, self.index, self._client
+        for link in (-1, *self._joints):
+            bullet.changeDynamics(
+                body,
+                link,
+                linearDamping=0,
+                angularDamping=0,
+                jointDamping=0,
+                maxJointVelocity=UNLIMITED_RATE,
+                physicsClientId=client,
+            )
+        # every joint has a velocity motor by default; with zero force it is gone, with a force
+        # it is dry friction of that torque
+        for index, joint in zip(self._joints, self._body.chain.joints, strict=True):
+            bullet.setJointMotorControl2(
+                body,
+                index,
+                bullet.VELOCITY_CONTROL,
+                targetVelocity=0,
+                force=joint.friction,
+                physicsClientId=client,
+            )
+
+    def _hold_base(self) -> None:
+        start = self._body.start
+        frame = Pose(start.position, geometry.rotation_from_rpy(start.rpy))
+        inverse = geometry.transposed(self._inertial_in_base)
+        origin = geometry.rotate(inverse, geometry.subtract(geometry.ZERO, self._com_in_base))
+        self._bullet.createConstraint(
+            self.index,
+            -1,
+            -1,
+            -1,
+            self._bullet.JOINT_FIXED,
+            [0, 0, 0],
+            origin,
+            start.position,
+            geometry.quaternion_from_rotation(inverse),
+            geometry.quaternion_from_rotation(frame.rotation),
+            physicsClientId=self._client,
+        )
+
+    def _base_inertial_frame(self) -> tuple[Vector, geometry.Matrix]:
+        dynamics = self._bullet.getDynamicsInfo(self.index, -1, self._client)
+        return dynamics[3], geometry.rotation_from_quaternion(dynamics[4])
+
+    def _read_back(self) -> None:
+        """Compare what the engine understood with what was compiled.
+
+        This catches an inertia the engine would not take, cut lines and misread numbers.
+        """
+        bullet, client = self._bullet, self._client
+        links, joints = [], []
+        for index, link in enumerate((-1, *self._joints)):
+            dynamics = bullet.getDynamicsInfo(self.index, link, client)
+            has_mass = index > 0 or self._body.base != "static"  # a static base reads as mass 0
+            links.append(EngineLink(dynamics[0], dynamics[3], dynamics[2]) if has_mass else None)
+            if index > 0:
+                told = bullet.getJointInfo(self.index, link, client)
+                # the engine tells the axis in the principal axes of the child
+                principal = geometry.rotation_from_quaternion(dynamics[4])
+                axis = geometry.rotate(principal, told[13])
+                joints.append(EngineJoint(told[16], axis, told[8], told[9]))
+        found = mismatches(self._body.chain, links, joints)
+        if found:
+            more = f"; and {len(found) - 3} more" if len(found) > 3 else ""
+            raise EngineRefused(self._body.name, "; ".join(found[:3]) + more)
+
+
+def _vector(values: Sequence[float] | Array) -> Vector:
+    x, y, z = values
+    return (float(x), float(y), float(z))
