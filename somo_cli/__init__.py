@@ -9,7 +9,8 @@ The map of the house. Two pipelines, each on one screen:
 
 The rooms, each of which knows only those before it: `problems` says what a fault is; `document/`
 is a file as it was written; `manipulator/` is what it means, and its URDF; `simulation/` brings it
-to life; `cli` is the front door, the only one to use `files` and the one voice, `terminal`.
+to life; `loading` leads from a path to a judged document, by `files`; `cli` is the front door and
+has the one voice, `terminal`.
 `document/` and `manipulator/` are pure: text in, values out, every fault with its place in the
 text. Each library has one home; `tests/test_architecture.py` is the law that says which.
 """

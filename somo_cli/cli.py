@@ -5,7 +5,7 @@ import json
 import os
 import sys
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeVar
 
@@ -145,6 +145,7 @@ def build(
     quiet: QuietOption = False,
 ) -> None:
     """Compile a manipulator definition into a scaled URDF."""
+    from somo_cli import loading
     from somo_cli.manipulator.compile import compile_definition
     from somo_cli.manipulator.dimensions import Scale
 
@@ -152,8 +153,8 @@ def build(
     _require(is_scale, "--scale", f"{scale} is not greater than 0 and at most 1e6")
     is_name = tip_frame is None or _is_name(tip_frame)
     _require(is_name, "--tip-frame", f"{tip_frame!r} is not a safe name")
-    document = _load(definition, sets or [])
-    _refuse_scene(document)
+    document = loading.load(definition, sets or [])
+    loading.refuse_scene(document)
     compiled = compile_definition(document)
     terminal.say_problems(compiled.warnings, document.texts)
     names = {link.name for link in compiled.chain.links}
@@ -205,10 +206,13 @@ def run(
 
     Rows so far stay in FILE.partial when the run does not reach its end.
     """
+    from somo_cli import loading
+
     is_step = time_step is None or 0 < time_step <= 1
     _require(is_step, "--time-step", f"{time_step} is not greater than 0 and at most 1")
-    document = _load(scene, sets or [])
-    planned = _scene(document, every, time_step)
+    document = loading.load(scene, sets or [])
+    planned, warnings = loading.scene_of(document, every, time_step)
+    terminal.say_problems(warnings, document.texts)
     target = output or f"{Path(scene).stem}.csv"
     _refuse_overwriting(document, target)
     _simulate(planned, document, steps, target, sets or [], quiet)
@@ -223,12 +227,14 @@ def check(
     ] = False,
 ) -> None:
     """Say everything that build and run would complain about, without an engine."""
+    from somo_cli import loading
+
     found: list[Problem] = []
     texts: dict[str, str] = {}
     is_unreadable = False
     for path in paths:
         try:
-            document = _load(path, ())
+            document = loading.load(path)
         except InvalidFile as error:
             found.extend(error.problems)
             texts.update(error.texts)
@@ -236,14 +242,14 @@ def check(
             is_unreadable = True
             terminal.say(f"somo: {error.filename or path}: {error.strerror or error}")
         else:
-            found.extend(_judged(document))
+            found.extend(loading.judged(document))
             texts.update(document.texts)
     found = list(in_reading_order(found, texts))
     if as_json:
         typer.echo(json.dumps([_plain(problem) for problem in found], indent=2))
     else:
         terminal.say_problems(found, texts)
-    raise typer.Exit(5 if is_unreadable else int(_has_errors(found)))
+    raise typer.Exit(5 if is_unreadable else int(loading.has_errors(found)))
 
 
 @app.command(epilog=EXIT_CODES)
@@ -256,78 +262,12 @@ def examples(
         typer.echo(path)
 
 
-def _load(path: str, sets: Sequence[str]) -> "Document":
-    """Read a definition or scene, override values, and put in the files it names.
-
-    Raises InvalidFile with every fault of the whole if a file cannot be put in.
-    """
-    from somo_cli.document.edit import override
-    from somo_cli.document.parse import parse
-
-    document = _with_parts(parse(files.read_text(path), path))
-    for assignment in sets:
-        document = _with_parts(override(document, assignment))
-    return document
-
-
-def _with_parts(document: "Document") -> "Document":
-    from somo_cli.document.include import include
-    from somo_cli.manipulator import compile as compiler
-    from somo_cli.simulation import scene
-
-    is_scene = scene.is_scene(document)
-    places = scene.PLACES_OF_FILES if is_scene else compiler.PLACES_OF_FILES
-    document, problems = include(document, places, files.open_reference)
-    if problems:
-        raise InvalidFile([*problems, *_judged(document)], document.texts)
-    return document
-
-
-def _judged(document: "Document") -> tuple[Problem, ...]:
-    from somo_cli.manipulator import compile as compiler
-    from somo_cli.simulation import meaning, scene
-
-    return meaning.faults(document) if scene.is_scene(document) else compiler.faults(document)
-
-
-def _has_errors(problems: Iterable[Problem]) -> bool:
-    return any(problem.severity == "error" for problem in problems)
-
-
 def _refuse_overwriting(document: "Document", output: str) -> None:
     target = Path(output)
     is_input = target.exists() and any(
         Path(source).exists() and target.samefile(source) for source in document.texts
     )
     _require(not is_input, "--output", f"{output} is what is read")
-
-
-def _refuse_scene(document: "Document") -> None:
-    from somo_cli.simulation import scene
-
-    if scene.is_scene(document):
-        place = document.span(("manipulators",), key=True)
-        hint = "somo run takes scenes; build the definitions that this one names"
-        problem = Problem(place, "this is a scene, not a manipulator definition", hint)
-        raise InvalidFile([problem], document.texts)
-
-
-def _scene(document: "Document", every: int | None, time_step: float | None) -> "Scene":
-    import dataclasses
-
-    from somo_cli.simulation import meaning, scene
-
-    problems = _judged(document)
-    if not scene.is_scene(document) and not _has_errors(problems):
-        document = scene.scene_of_one(document)
-        problems = meaning.faults(document)
-    if _has_errors(problems):
-        raise InvalidFile(problems, document.texts)
-    terminal.say_problems(problems, document.texts)
-    read = scene.read(document)
-    return dataclasses.replace(
-        read, every=every or read.every, time_step=time_step or read.time_step
-    )
 
 
 def _simulate(

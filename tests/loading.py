@@ -5,11 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from somo_cli import files
-from somo_cli.document.edit import override
-from somo_cli.document.include import include
-from somo_cli.document.parse import Document, parse
-from somo_cli.simulation import meaning, run, scene
+from somo_cli.loading import load_text, scene_of
+from somo_cli.simulation import run
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.plan import Plan, make_plan
 from somo_cli.simulation.run import Summary
@@ -20,15 +17,7 @@ DEFINITIONS = Path(__file__).parents[1] / "definitions"
 
 def scene_from_text(text: str, *sets: str, source: str = str(DEFINITIONS / "test.yaml")) -> Scene:
     """Read a scene, or a definition as the scene of it alone; paths are those of definitions/."""
-    document = parse(text, source)
-    for assignment in ("", *sets):
-        document = override(document, assignment) if assignment else document
-        document = _with_parts(document)
-    if not scene.is_scene(document):
-        document = scene.scene_of_one(document)
-    errors = [str(one) for one in meaning.faults(document) if one.severity == "error"]
-    assert errors == []
-    return scene.read(document)
+    return scene_of(load_text(text, source, sets))[0]
 
 
 def scene_from_file(name: str, *sets: str) -> Scene:
@@ -54,12 +43,3 @@ def simulated(scene_or_plan: Scene | Plan, steps: int) -> tuple[list[list[float]
     with BulletWorld(plan) as world:
         summary = run.run(plan, world, keep, steps, lambda: float(next(ticks)))
     return rows, summary
-
-
-def _with_parts(document: Document) -> Document:
-    places = scene.PLACES_OF_FILES
-    if not scene.is_scene(document):
-        places = tuple(place[3:] for place in places if len(place) > 3)
-    document, problems = include(document, places, files.open_reference)
-    assert not problems, problems
-    return document

@@ -22,7 +22,17 @@ KNOWS = {
     "document": {"", "problems"},
     "manipulator": {"", "problems", "document"},
     "simulation": {"", "problems", "document", "manipulator"},
-    "cli": {"", "problems", "document", "manipulator", "simulation", "terminal", "files"},
+    "loading": {"", "problems", "document", "manipulator", "simulation", "files"},
+    "cli": {
+        "",
+        "problems",
+        "document",
+        "manipulator",
+        "simulation",
+        "terminal",
+        "files",
+        "loading",
+    },
     "__main__": {"cli"},
     "": set(),  # the package itself: a docstring and a version
 }

@@ -1,0 +1,78 @@
+"""From a path to a document with everything in it, judged: what every command does first."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable, Sequence
+
+from somo_cli import files
+from somo_cli.document.edit import override
+from somo_cli.document.include import include
+from somo_cli.document.parse import Document, parse
+from somo_cli.manipulator import compile as compiler
+from somo_cli.problems import InvalidFile, Problem
+from somo_cli.simulation import meaning, scene
+from somo_cli.simulation.scene import Scene
+
+
+def load(path: str, sets: Sequence[str] = ()) -> Document:
+    """Read a definition or scene, put in the files it names, and override values.
+
+    Raises OSError, and InvalidFile with every fault of the whole if a file cannot be put in.
+    """
+    return load_text(files.read_text(path), path, sets)
+
+
+def load_text(text: str, source: str, sets: Sequence[str] = ()) -> Document:
+    """Do as `load` does with the text of a file; other files are relative to `source`."""
+    document = _with_parts(parse(text, source))
+    for assignment in sets:
+        document = _with_parts(override(document, assignment))
+    return document
+
+
+def judged(document: Document) -> tuple[Problem, ...]:
+    """Return every error and warning about a definition or scene."""
+    return meaning.faults(document) if scene.is_scene(document) else compiler.faults(document)
+
+
+def has_errors(problems: Iterable[Problem]) -> bool:
+    """Whether one of the problems is an error."""
+    return any(problem.severity == "error" for problem in problems)
+
+
+def refuse_scene(document: Document) -> None:
+    """Raise InvalidFile for a scene where a definition is wanted."""
+    if scene.is_scene(document):
+        place = document.span(("manipulators",), key=True)
+        hint = "somo run takes scenes; build the definitions that this one names"
+        problem = Problem(place, "this is a scene, not a manipulator definition", hint)
+        raise InvalidFile([problem], document.texts)
+
+
+def scene_of(
+    document: Document, every: int | None = None, time_step: float | None = None
+) -> tuple[Scene, tuple[Problem, ...]]:
+    """Return the scene of a document and the warnings about it; raise InvalidFile for errors.
+
+    A definition becomes the scene of that one manipulator. `every` and `time_step` [s] take the
+    place of what the scene says.
+    """
+    problems = judged(document)
+    if not scene.is_scene(document) and not has_errors(problems):
+        document = scene.scene_of_one(document)
+        problems = meaning.faults(document)
+    if has_errors(problems):
+        raise InvalidFile(problems, document.texts)
+    found = scene.read(document)
+    wanted = {"every": every or found.every, "time_step": time_step or found.time_step}
+    return dataclasses.replace(found, **wanted), problems  # type: ignore[arg-type]
+
+
+def _with_parts(document: Document) -> Document:
+    is_scene = scene.is_scene(document)
+    places = scene.PLACES_OF_FILES if is_scene else compiler.PLACES_OF_FILES
+    document, problems = include(document, places, files.open_reference)
+    if problems:
+        raise InvalidFile([*problems, *judged(document)], document.texts)
+    return document
