@@ -7,8 +7,9 @@ from collections.abc import Callable
 import numpy as np
 
 from somo_cli.simulation.plan import Body, Plan
-from somo_cli.simulation.runner import Runner, WorldBody
+from somo_cli.simulation.runner import Runner
 from somo_cli.simulation.springs import Array
+from somo_cli.simulation.world import WorldBody
 
 
 class FreeRunner(Runner):

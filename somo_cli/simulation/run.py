@@ -11,7 +11,9 @@ from somo_cli.simulation import columns, watch
 from somo_cli.simulation.columns import State
 from somo_cli.simulation.free_base import FreeRunner
 from somo_cli.simulation.plan import Plan
-from somo_cli.simulation.runner import STEPS_BETWEEN_LOOKS, Runner, World, begin
+from somo_cli.simulation.runner import STEPS_BETWEEN_LOOKS, Runner
+from somo_cli.simulation.start import begin
+from somo_cli.simulation.world import World
 
 
 @dataclass(frozen=True, slots=True)

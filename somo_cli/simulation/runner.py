@@ -1,4 +1,4 @@
-"""One body in motion: its law, its actuation, its energy, and how it starts."""
+"""One body in motion: its law, its actuation and its energy."""
 
 from __future__ import annotations
 
@@ -6,16 +6,15 @@ import itertools
 import math
 import struct
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol
 
 import numpy as np
 
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
-from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.springs import Array, SpringLaw, Springs
 from somo_cli.simulation.watch import BodyEnergy
+from somo_cli.simulation.world import WorldBody
 
 CALM_REFRESH = 0.05  # rad: the mass matrix is renewed once the joints have moved this far, as the
 SWIFT_REFRESH = 0.015  # root of the sum of squares over the joints
@@ -24,55 +23,6 @@ CALM_FALL = 0.25  # rad of the fastest mode of gravity alone in a step: likewise
 CALM_ANGLE = 0.005  # rad per step: a body with a faster joint is not calm
 CALM_CHANGE = 3.0  # rad/s²: times the step squared, what holding may cost in a block [rad]
 STEPS_BETWEEN_LOOKS = 8
-
-
-class WorldBody(Protocol):
-    """What a run needs of one body: joints base to tip, engine units."""
-
-    joint_states: Callable[[], Sequence[Any]]
-    """Returns one tuple per joint that starts with its angle and rate."""
-
-    apply: Callable[[Sequence[float]], None]
-    """Applies joint torques during the next step."""
-
-    def mass_matrix(self, angles: Sequence[float]) -> Array:
-        """Return the joint-space inertia, shape (n, n)."""
-
-    def bias(
-        self, angles: Sequence[float], rates: Sequence[float], spin: Sequence[float] = ()
-    ) -> Array:
-        """Return the forces that gravity and Coriolis terms ask for, on a free base as well."""
-
-    def felt_by_joints(self, forces: Array) -> Array:
-        """Return the joint torques that accelerate the joints as these forces do, shape (n,)."""
-
-    def push_base(self, wrench: Array) -> None:
-        """Apply a torque and a force to the base during the next step, in its own axes."""
-
-    def base_pose(self) -> Pose:
-        """Return the pose of the base frame in the world."""
-
-    def base_velocity(self) -> tuple[Vector, Vector]:
-        """Return the velocity of the base's centre of mass, and its angular velocity."""
-
-    def reset(
-        self,
-        angles: Sequence[float],
-        rates: Sequence[float],
-        base_velocity: tuple[Vector, Vector] | None = None,
-    ) -> None:
-        """Go to the start pose with these angles and rates."""
-
-
-class World(Protocol):
-    """What a run needs of an engine."""
-
-    @property
-    def bodies(self) -> Sequence[WorldBody]:
-        """The bodies, in the order of the plan."""
-
-    step: Callable[[], object]
-    """Advances every body by one time step."""
 
 
 class Runner:
@@ -253,63 +203,3 @@ def _as_slice(joints: tuple[int, ...]) -> slice | list[int]:
     if len(steps) > 1:
         return list(joints)
     return slice(joints[0], joints[-1] + 1, steps.pop() if steps else 1)
-
-
-def begin(plan: Plan, world: World, runners: Sequence[Runner]) -> None:
-    """Bring every body to its start, with the velocities its integrator wants there.
-
-    The forces that are not ours at the start are measured by a step without torques, which is
-    then undone. For the implicit law velocities live at half steps, so the bodies start with
-    v0 - h/2 a0; how the bases accelerate under the first torques is measured by a second step.
-    """
-    for runner in runners:
-        runner.pull()
-        runner.refresh()
-        runner.mass_at_start = runner.mass
-    if plan.integrator == "explicit":
-        return
-    bases = [runner.world_body.base_velocity() for runner in runners]
-    rates = [runner.law.rates.copy() for runner in runners]
-    forces = []
-    for runner in runners:
-        runner.world_body.apply([0.0] * len(runner.law.rates))
-    world.step()
-    for runner, before in zip(runners, rates, strict=True):
-        runner.pull()
-        forces.append(runner.mass @ (runner.law.rates - before) / plan.time_step)
-        runner.go_to_start()
-    if plan.integrator == "implicit":
-        _step_back_half(plan, world, runners, forces, bases)
-    for runner, force, before in zip(runners, forces, rates, strict=True):
-        runner.begin(force, before)
-
-
-def _step_back_half(
-    plan: Plan,
-    world: World,
-    runners: Sequence[Runner],
-    forces: Sequence[Array],
-    bases: Sequence[tuple[Vector, Vector]],
-) -> None:
-    accelerations = []
-    for runner, force in zip(runners, forces, strict=True):
-        acceleration = runner.law.acceleration(runner.mass, force)
-        torques = runner.mass @ acceleration - force
-        runner.world_body.apply(torques.tolist())
-        accelerations.append(acceleration)
-    world.step()
-    for runner, acceleration, base in zip(runners, accelerations, bases, strict=True):
-        after = runner.world_body.base_velocity()
-        linear, angular = (
-            _half_a_step_earlier(before, now) for before, now in zip(base, after, strict=True)
-        )
-        rates = np.array(runner.body.start.rates) - 0.5 * plan.time_step * acceleration
-        runner.go_to_start(rates.tolist(), (linear, angular))
-
-
-def _half_a_step_earlier(before: Vector, after: Vector) -> Vector:
-    return (
-        1.5 * before[0] - 0.5 * after[0],
-        1.5 * before[1] - 0.5 * after[1],
-        1.5 * before[2] - 0.5 * after[2],
-    )

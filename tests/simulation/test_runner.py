@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from somo_cli.simulation.plan import Plan
-from somo_cli.simulation.runner import Runner, begin
+from somo_cli.simulation.runner import Runner
+from somo_cli.simulation.start import begin
 from tests.simulation.fake_world import (
     DAMPING,
     INERTIA,

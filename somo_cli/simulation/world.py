@@ -1,0 +1,59 @@
+"""What a run needs of an engine: a handful of verbs, in engine units."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol
+
+from somo_cli.manipulator.geometry import Vector
+from somo_cli.manipulator.kinematics import Pose
+from somo_cli.simulation.springs import Array
+
+
+class WorldBody(Protocol):
+    """What a run needs of one body: joints base to tip, engine units."""
+
+    joint_states: Callable[[], Sequence[Any]]
+    """Returns one tuple per joint that starts with its angle and rate."""
+
+    apply: Callable[[Sequence[float]], None]
+    """Applies joint torques during the next step."""
+
+    def mass_matrix(self, angles: Sequence[float]) -> Array:
+        """Return the joint-space inertia, shape (n, n)."""
+
+    def bias(
+        self, angles: Sequence[float], rates: Sequence[float], spin: Sequence[float] = ()
+    ) -> Array:
+        """Return the forces that gravity and Coriolis terms ask for, on a free base as well."""
+
+    def felt_by_joints(self, forces: Array) -> Array:
+        """Return the joint torques that accelerate the joints as these forces do, shape (n,)."""
+
+    def push_base(self, wrench: Array) -> None:
+        """Apply a torque and a force to the base during the next step, in its own axes."""
+
+    def base_pose(self) -> Pose:
+        """Return the pose of the base frame in the world."""
+
+    def base_velocity(self) -> tuple[Vector, Vector]:
+        """Return the velocity of the base's centre of mass, and its angular velocity."""
+
+    def reset(
+        self,
+        angles: Sequence[float],
+        rates: Sequence[float],
+        base_velocity: tuple[Vector, Vector] | None = None,
+    ) -> None:
+        """Go to the start pose with these angles and rates."""
+
+
+class World(Protocol):
+    """What a run needs of an engine."""
+
+    @property
+    def bodies(self) -> Sequence[WorldBody]:
+        """The bodies, in the order of the plan."""
+
+    step: Callable[[], object]
+    """Advances every body by one time step."""
