@@ -72,8 +72,8 @@ format: sync ## format, and mend what the linter can mend
 	$(RUN) ruff check --fix
 	$(RUN) ruff format
 
-golden: sync ## write tests/golden/ anew: the diff is the review
-	$(RUN) pytest tests/manipulator/test_golden.py --rewrite-golden
+golden: sync ## write the golden URDFs and messages anew: the diff is the review
+	$(RUN) pytest tests/manipulator/test_golden.py tests/test_cases.py --rewrite-golden
 
 bench: sync ## measure steps per second, error against run time, and stability
 	$(RUN) tests.bench.stepping
