@@ -10,30 +10,43 @@ import numpy as np
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.urdf import render
 
+FLOATING = (
+    '<link name="world"/><joint name="floating" type="floating">'
+    '<parent link="world"/><child link="base"/></joint>'
+)
 
-def model_of(chain: Chain, gravity: Sequence[float], time_step: float) -> mujoco.MjModel:
-    """Read our URDF into MuJoCo, which has no springs in URDF: they are set afterwards."""
+
+def model_of(
+    chain: Chain, gravity: Sequence[float], time_step: float, is_free: bool = False
+) -> mujoco.MjModel:
+    """Read our URDF into MuJoCo, which has no springs in URDF: they are set afterwards.
+
+    A free base adds 7 numbers to the front of qpos and 6 to that of qvel.
+    """
     text = render(chain).replace(
         f'<robot name="{chain.name}">',
         f'<robot name="{chain.name}"><mujoco><compiler fusestatic="true" '
-        'discardvisual="true" balanceinertia="false"/></mujoco>',
+        f'discardvisual="true" balanceinertia="false"/></mujoco>{FLOATING * is_free}',
     )
     model = mujoco.MjModel.from_xml_string(text)
     names = [
         mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, index) for index in range(model.njnt)
     ]
-    assert names == [joint.name for joint in chain.joints]
+    assert names[is_free:] == [joint.name for joint in chain.joints]
     model.opt.gravity[:] = gravity
     model.opt.timestep = time_step
     model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
     model.opt.disableflags |= (
         mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
     )
-    model.jnt_stiffness[:] = np.reshape(
+    count = len(chain.joints)
+    # a row of one or of three numbers, by MuJoCo's version
+    model.jnt_stiffness[-count:] = np.reshape(
         [joint.stiffness for joint in chain.joints], (-1, *[1] * (model.jnt_stiffness.ndim - 1))
     )
-    model.qpos_spring[:] = [joint.neutral_position for joint in chain.joints]
-    assert np.allclose(model.dof_damping.ravel(), [joint.damping for joint in chain.joints])
+    model.qpos_spring[-count:] = [joint.neutral_position for joint in chain.joints]
+    damping = model.dof_damping.reshape(model.nv, -1)[-count:, 0]
+    assert np.allclose(damping, [joint.damping for joint in chain.joints])
     model.dof_frictionloss[:] = 0
     return model
 

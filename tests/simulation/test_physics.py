@@ -368,3 +368,56 @@ def test_a_heavy_hanging_arm_is_stable_at_large_steps(integrator: str, step: flo
     rows, fine = np.array(rows_of(scene, round(4 / step))), np.array(rows_of(small, 2000))
     tip = slice(51, 54)  # behind the time and 50 angles
     assert np.abs(rows[-1, tip] - fine[-1, tip]).max() < 0.02  # m, of 0.77
+
+
+def test_a_thrown_finger_moves_as_in_another_simulator() -> None:
+    """A free base, turned and spinning, its joints bent by torques, under gravity."""
+
+    def thrown(step: float) -> Scene:
+        scene = scene_from_text(
+            "manipulators:\n"
+            "  - definition: finger.yaml\n"
+            "    base: free\n"
+            "    rpy: [0.3, -0.4, 1.2]\n"
+            "    linear_velocity: [0.1, -0.2, 0.3]\n"
+            "    angular_velocity: [1.0, 2.0, -1.5]\n"
+            "    actuation: [{actuator: 0, axis: 0, torque: 0.03}]\n"
+            "record: {columns: [joint_angles, base_pose]}\n",
+            "manipulators[0].definition.base_definition.mass=0.03",
+            f"{JOINTS}[0].spring_damping=0.001",
+            f"{JOINTS}[1].spring_damping=0.003",
+        )
+        return dataclasses.replace(scene, time_step=step, every=round(0.1 / step))
+
+    truth = thrown_in_mujoco(thrown(1e-3))
+    errors = []
+    for step in (2e-3, 1e-3, 5e-4):
+        rows = np.array(rows_of(thrown(step), round(0.5 / step)))[1:, 1:14]
+        difference = np.abs(rows - truth)
+        errors.append([difference[:, :10].max(), difference[:, 10:].max()])
+    angle, place = np.array(errors).T
+    assert angle[1] < 1e-4, angle
+    assert place[1] < 4e-4, place
+    assert np.log2(angle[:-1] / angle[1:]) == pytest.approx(2, abs=0.25)
+    assert np.log2(place[:-1] / place[1:]) == pytest.approx(1.7, abs=0.3)
+
+
+def thrown_in_mujoco(scene: Scene) -> np.ndarray:
+    """Return angles [rad] and the position of the base [m] every tenth of a second."""
+    import mujoco
+
+    finger_here = scene.manipulators[0]
+    chain = finger_here.compiled.chain
+    axes = geometry.rotation_from_rpy(finger_here.rpy)
+    x, y, z, w = geometry.quaternion_from_rotation(axes)
+    model = model_of(chain, scene.gravity, 1e-5, is_free=True)
+    state = mujoco.MjData(model)
+    state.qpos[3:7] = w, x, y, z
+    state.qvel[:3] = finger_here.linear_velocity
+    state.qvel[3:6] = np.array(axes).T @ finger_here.angular_velocity  # in the base's axes
+    state.qfrc_applied[6:] = [0.03 if joint.channel == 0 else 0.0 for joint in chain.joints]
+    rows = []
+    for _ in range(5):
+        mujoco.mj_step(model, state, 10_000)
+        rows.append([*state.qpos[7:], *state.qpos[:3]])
+    return np.array(rows)
