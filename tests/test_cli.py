@@ -548,7 +548,7 @@ def test_a_reader_that_has_seen_enough_ends_it_quietly(
 def test_an_interrupted_run_keeps_its_rows(start: Start, here: Path) -> None:
     unfinished = here / "x.csv.partial"
     with start("run", "bent.yaml", "--steps", "100000000", "-o", "x.csv") as process:
-        deadline = time.monotonic() + 30
+        deadline = time.monotonic() + 60
         while not unfinished.exists() or unfinished.stat().st_size < 10_000:
             assert time.monotonic() < deadline
             time.sleep(0.02)

@@ -152,17 +152,17 @@ def test_a_file_that_names_itself_ends() -> None:
 def test_files_cannot_add_up_to_a_bomb() -> None:
     text = "parts: [" + "big.yaml, " * 5_000 + "]"
     big = "{a: [" + "1, " * 5_000 + "]}"
-    start = time.perf_counter()
+    start = time.process_time()
     error = refusal(text, {"big.yaml": big})
-    assert time.perf_counter() - start < 3
+    assert time.process_time() - start < 10
     message = "more than 200000 values, with the files it names"
     assert error.problems == (Problem(Span("f.yaml", 1, 1), message),)
 
 
 def test_many_small_files_are_put_in_place_fast() -> None:
     text = "parts: [" + "a.yaml, " * 2_000 + "]"
-    start = time.perf_counter()
+    start = time.process_time()
     files = {"a.yaml": "link: {x: 1, y: 2}"}
     document = whole(*include(parse(text, "f.yaml"), PLACES, opener(files)))
-    assert time.perf_counter() - start < 3
+    assert time.process_time() - start < 10
     assert document.at(("parts", 1_999, "link", "y")) == 2
