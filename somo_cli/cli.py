@@ -18,6 +18,7 @@ from somo_cli.problems import (
     InvalidFile,
     Problem,
     SimulationDiverged,
+    has_errors,
     in_reading_order,
 )
 
@@ -249,7 +250,7 @@ def check(
         typer.echo(json.dumps([_plain(problem) for problem in found], indent=2))
     else:
         terminal.say_problems(found, texts)
-    raise typer.Exit(5 if is_unreadable else int(loading.has_errors(found)))
+    raise typer.Exit(5 if is_unreadable else int(has_errors(found)))
 
 
 @app.command(epilog=EXIT_CODES)

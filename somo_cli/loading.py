@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from somo_cli import files
 from somo_cli.document.edit import override
 from somo_cli.document.include import include
 from somo_cli.document.parse import Document, parse
 from somo_cli.manipulator import compile as compiler
-from somo_cli.problems import InvalidFile, Problem
+from somo_cli.problems import InvalidFile, Problem, has_errors
 from somo_cli.simulation import meaning, scene
 from somo_cli.simulation.scene import Scene
 
@@ -34,11 +34,6 @@ def load_text(text: str, source: str, sets: Sequence[str] = ()) -> Document:
 def judged(document: Document) -> tuple[Problem, ...]:
     """Return every error and warning about a definition or scene."""
     return meaning.faults(document) if scene.is_scene(document) else compiler.faults(document)
-
-
-def has_errors(problems: Iterable[Problem]) -> bool:
-    """Whether one of the problems is an error."""
-    return any(problem.severity == "error" for problem in problems)
 
 
 def refuse_scene(document: Document) -> None:

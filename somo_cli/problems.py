@@ -41,6 +41,11 @@ class Problem:
         return f"{span.source}:{span.line}:{span.column}: {self.severity}: {self.message}"
 
 
+def has_errors(problems: Iterable[Problem]) -> bool:
+    """Whether one of the problems is an error, not a warning."""
+    return any(problem.severity == "error" for problem in problems)
+
+
 def in_reading_order(
     problems: Iterable[Problem], sources: Iterable[str] = ()
 ) -> tuple[Problem, ...]:

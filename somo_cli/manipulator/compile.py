@@ -11,7 +11,7 @@ from somo_cli.manipulator import chain, meaning, read, urdf
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.definition import Definition
 from somo_cli.manipulator.dimensions import Scale, scaled
-from somo_cli.problems import InvalidFile, Pointer, Problem, in_reading_order
+from somo_cli.problems import InvalidFile, Pointer, Problem, has_errors, in_reading_order
 
 PLACES_OF_FILES: tuple[tuple[str, ...], ...] = (
     ("actuator_definitions", "*"),
@@ -69,6 +69,6 @@ def compile_sound(document: Document, at: Pointer, warnings: tuple[Problem, ...]
 def compile_definition(document: Document) -> Compiled:
     """Compile a definition; raise InvalidFile with all its faults if one is an error."""
     problems = faults(document)
-    if any(problem.severity == "error" for problem in problems):
+    if has_errors(problems):
         raise InvalidFile(problems, document.texts)
     return compile_sound(document, (), problems)

@@ -14,7 +14,7 @@ from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.compile import compile_sound
 from somo_cli.manipulator.dimensions import Scale
 from somo_cli.manipulator.meaning import IsSound
-from somo_cli.problems import Pointer, Problem, in_reading_order
+from somo_cli.problems import Pointer, Problem, has_errors, in_reading_order
 from somo_cli.simulation.scene import PLACES_OF_FILES, name_of, per_joint
 
 
@@ -132,7 +132,7 @@ def _manipulator_faults(
         if isinstance(entry, Mapping) and is_sound(place):
             yield from _torque_faults(document, place, entry)
     is_compilable = is_sound((*at, "definition")) and "definition" in data
-    if is_compilable and all(problem.severity == "warning" for problem in of_definition):
+    if is_compilable and not has_errors(of_definition):
         compiled = compile_sound(document, (*at, "definition"), ())
         if not compiled.chain.joints:
             yield Problem(

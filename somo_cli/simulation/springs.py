@@ -69,7 +69,7 @@ class Springs:
 class SpringLaw:
     """The law of one body as one matrix-vector product a step.
 
-    `state` stacks q, v, v_prev, τ_prev, the load u and a one, shape (5 n + 1,): write q and v into
+    `state` stacks q, v, v_prev, τ_prev, u and a one, shape (5 n + 1,): write q and v into
     its first 2 n numbers, set `actuation` when it changes, then call `correct`, or what
     `make_hold` returns, for the torques of the coming step.
     """
@@ -85,7 +85,7 @@ class SpringLaw:
         self.angles = self.state[:n]
         self.rates = self.state[n : 2 * n]
         self.actuation = self.state[4 * n : 5 * n]
-        self._motion = self.state[n : 2 * n], self.state[2 * n : 3 * n]
+        self._previous_rates = self.state[2 * n : 3 * n]
         self._previous_torques = self.state[3 * n : 4 * n]
         self.correction: Array = np.zeros(n)
         self.bias: Array | None = None  # at the start of the last step, if it was corrected
@@ -119,8 +119,8 @@ class SpringLaw:
             self._implicit = self.implicit_inertia()
         else:
             # f, measured with the old matrix, shall not jump
-            rates, previous = self._motion
-            self._previous_torques += (mass - self._mass) @ (rates - previous) / h
+            change = self.rates - self._previous_rates
+            self._previous_torques += (mass - self._mass) @ change / h
         self._mass = mass
         implicit = self._implicit
         inverse = np.linalg.inv(mass + np.diag(implicit))
@@ -148,8 +148,7 @@ class SpringLaw:
 
         `bias` holds the bias forces at the rates for which `force` was measured.
         """
-        rates, previous = self._motion
-        previous[:] = rates
+        self._previous_rates[:] = self.rates
         self._previous_torques[:] = -force
         self.bias = bias
 
@@ -167,14 +166,14 @@ class SpringLaw:
         All names are bound here, because this is where a run spends its time.
         """
         state, torques, held = self.state, self._torques, self._held
-        rates, previous = self._motion
+        rates, previous_rates = self.rates, self._previous_rates
         previous_torques = self._previous_torques
         tolist, add, law = torques.tolist, np.add, self
 
         def hold() -> list[float]:
             law._to_torques.dot(state, torques)
             add(torques, held, torques)
-            previous[:] = rates
+            previous_rates[:] = rates
             previous_torques[:] = torques
             law.bias = None
             values: list[float] = tolist()
@@ -195,8 +194,7 @@ class SpringLaw:
         self._to_torques.dot(self.state, torques)
         self.correction = bias - bias_at(coming)
         torques += self._rest.dot(self.correction)
-        rates, previous = self._motion
-        previous[:] = rates
+        self._previous_rates[:] = self.rates
         self._previous_torques[:] = torques
         self.bias = bias
         values: list[float] = torques.tolist()
