@@ -75,10 +75,12 @@ format: sync ## format, and mend what the linter can mend
 golden: sync ## write the golden URDFs and messages anew: the diff is the review
 	$(RUN) pytest tests/manipulator/test_golden.py tests/test_cases.py --rewrite-golden
 
-bench: sync ## measure steps per second, error against run time, and stability
+bench: sync ## measure speed, start-up, error against run time, stability, physics
 	$(RUN) tests.bench.stepping
 	$(RUN) tests.bench.accuracy
 	$(RUN) tests.bench.stability
+	$(RUN) tests.bench.physics
+	$(RUN) tests.bench.startup
 
 build: sync ## make sdist and wheel in dist/, and use the wheel in an empty environment
 	rm -rf dist

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import itertools
 import math
 import time
@@ -122,14 +123,18 @@ def finger(time_step: float, integrator: str = "implicit", **more: object) -> Sc
     return dataclasses.replace(scene, **changes)  # type: ignore[arg-type]
 
 
-@pytest.fixture(scope="module")
-def reference() -> np.ndarray:
+def truth_of_finger() -> np.ndarray:
     """Joint angles every 0.1 s by MuJoCo's RK4 at 1e-5 s, shape (10, 10)."""
     scene = finger(1e-3)
     chain = scene.manipulators[0].compiled.chain
     torques = [0.05 if joint.channel == 0 else 0.02 for joint in chain.joints]
     times = [0.1 * index for index in range(1, 11)]
     return trajectory(model_of(chain, scene.gravity, 1e-5), lambda time: torques, times)
+
+
+@pytest.fixture(scope="module")
+def reference() -> np.ndarray:
+    return truth_of_finger()
 
 
 def error_of_finger(reference: np.ndarray, time_step: float, integrator: str = "implicit") -> float:
@@ -210,16 +215,25 @@ def equilibrium(scene: Scene) -> np.ndarray:
     return angles
 
 
+THROWN = (
+    "manipulators:\n"
+    "  - definition: finger.yaml\n"
+    "    base: free\n"
+    "    rpy: [0.3, -0.4, 1.2]\n"
+    "    linear_velocity: [0.1, -0.2, 0.3]\n"
+    "    angular_velocity: [1.0, 2.0, -1.5]\n"
+)
+LIGHT_BASE_AND_DAMPED = (
+    "manipulators[0].definition.base_definition.mass=0.03",
+    f"{JOINTS}[0].spring_damping=0.001",
+    f"{JOINTS}[1].spring_damping=0.003",
+)
+
+
 def free_chain(time_step: float, integrator: str) -> Plan:
     """Return a finger thrown into space, spinning, that bends by torques of its own."""
     scene = scene_from_text(
-        "manipulators:\n"
-        "  - definition: finger.yaml\n"
-        "    base: free\n"
-        "    rpy: [0.3, -0.4, 1.2]\n"
-        "    linear_velocity: [0.1, -0.2, 0.3]\n"
-        "    angular_velocity: [1.0, 2.0, -1.5]\n"
-        "    actuation:\n"
+        THROWN + "    actuation:\n"
         "      - {actuator: 0, axis: 0, torque: 0.03}\n"
         "      - actuator: 0\n"
         "        axis: 1\n"
@@ -227,9 +241,7 @@ def free_chain(time_step: float, integrator: str) -> Plan:
         "        repeat: true\n"
         "gravity: [0, 0, 0]\n"
         "record: {columns: [joint_angles]}\n",
-        "manipulators[0].definition.base_definition.mass=0.03",
-        f"{JOINTS}[0].spring_damping=0.001",
-        f"{JOINTS}[1].spring_damping=0.003",
+        *LIGHT_BASE_AND_DAMPED,
     )
     return make_plan(dataclasses.replace(scene, time_step=time_step, integrator=integrator))
 
@@ -370,42 +382,37 @@ def test_a_heavy_hanging_arm_is_stable_at_large_steps(integrator: str, step: flo
     assert np.abs(rows[-1, tip] - fine[-1, tip]).max() < 0.02  # m, of 0.77
 
 
+def thrown(step: float) -> Scene:
+    """Return a finger with a free base, turned and spinning, bent by torques, under gravity."""
+    scene = scene_from_text(
+        THROWN + "    actuation: [{actuator: 0, axis: 0, torque: 0.03}]\n"
+        "record: {columns: [joint_angles, base_pose]}\n",
+        *LIGHT_BASE_AND_DAMPED,
+    )
+    return dataclasses.replace(scene, time_step=step, every=round(0.1 / step))
+
+
+def error_of_throw(step: float) -> tuple[float, float]:
+    """Return the largest error of a joint angle [rad] and of the base's position [m]."""
+    rows = np.array(rows_of(thrown(step), round(0.5 / step)))[1:, 1:14]
+    difference = np.abs(rows - thrown_in_mujoco())
+    return float(difference[:, :10].max()), float(difference[:, 10:].max())
+
+
 def test_a_thrown_finger_moves_as_in_another_simulator() -> None:
-    """A free base, turned and spinning, its joints bent by torques, under gravity."""
-
-    def thrown(step: float) -> Scene:
-        scene = scene_from_text(
-            "manipulators:\n"
-            "  - definition: finger.yaml\n"
-            "    base: free\n"
-            "    rpy: [0.3, -0.4, 1.2]\n"
-            "    linear_velocity: [0.1, -0.2, 0.3]\n"
-            "    angular_velocity: [1.0, 2.0, -1.5]\n"
-            "    actuation: [{actuator: 0, axis: 0, torque: 0.03}]\n"
-            "record: {columns: [joint_angles, base_pose]}\n",
-            "manipulators[0].definition.base_definition.mass=0.03",
-            f"{JOINTS}[0].spring_damping=0.001",
-            f"{JOINTS}[1].spring_damping=0.003",
-        )
-        return dataclasses.replace(scene, time_step=step, every=round(0.1 / step))
-
-    truth = thrown_in_mujoco(thrown(1e-3))
-    errors = []
-    for step in (2e-3, 1e-3, 5e-4):
-        rows = np.array(rows_of(thrown(step), round(0.5 / step)))[1:, 1:14]
-        difference = np.abs(rows - truth)
-        errors.append([difference[:, :10].max(), difference[:, 10:].max()])
-    angle, place = np.array(errors).T
+    angle, place = np.array([error_of_throw(step) for step in (2e-3, 1e-3, 5e-4)]).T
     assert angle[1] < 1e-4, angle
     assert place[1] < 4e-4, place
     assert np.log2(angle[:-1] / angle[1:]) == pytest.approx(2, abs=0.25)
     assert np.log2(place[:-1] / place[1:]) == pytest.approx(1.7, abs=0.3)
 
 
-def thrown_in_mujoco(scene: Scene) -> np.ndarray:
+@functools.cache
+def thrown_in_mujoco() -> np.ndarray:
     """Return angles [rad] and the position of the base [m] every tenth of a second."""
     import mujoco
 
+    scene = thrown(1e-3)
     finger_here = scene.manipulators[0]
     chain = finger_here.compiled.chain
     axes = geometry.rotation_from_rpy(finger_here.rpy)
