@@ -22,13 +22,17 @@ KNOWS = {
     "document": {"", "problems"},
     "manipulator": {"", "problems", "document"},
     "simulation": {"", "problems", "document", "manipulator"},
-    "loading": {"", "problems", "document", "manipulator", "simulation", "files"},
+    "analysis": {"", "problems", "document", "manipulator", "simulation"},
+    "picture": {"", "problems", "analysis"},
+    "loading": {"", "problems", "document", "manipulator", "simulation", "analysis", "files"},
     "cli": {
         "",
         "problems",
         "document",
         "manipulator",
         "simulation",
+        "analysis",
+        "picture",
         "terminal",
         "files",
         "loading",
@@ -41,11 +45,12 @@ KNOWS = {
 HOMES = {
     "csv": ("simulation.recorder",),
     "jsonschema": ("document.validate",),
-    "numpy": ("simulation.", "manipulator.verify"),
+    "matplotlib": ("picture.",),
+    "numpy": ("simulation.", "analysis.", "manipulator.verify"),
     "pybullet": ("simulation.bullet",),
     "referencing": ("document.validate",),
     "rich": ("terminal",),
-    "scipy": ("simulation.signal",),
+    "scipy": ("simulation.signal", "analysis."),
     "typer": ("cli",),
     "xml": ("manipulator.urdf",),
     "yaml": ("document.parse",),
@@ -53,7 +58,7 @@ HOMES = {
 }
 
 # Slow to load, so nothing loads them that has not asked for what they do.
-HEAVY = {"numpy", "pybullet", "rich", "scipy", "yourdfpy"}
+HEAVY = {"matplotlib", "numpy", "pybullet", "rich", "scipy", "yourdfpy"}
 
 
 class Import(NamedTuple):
@@ -174,7 +179,7 @@ def test_the_door_and_the_compiler_load_nothing_heavy(module: str) -> None:
         ("simulation.run", "importlib.import_module('pybullet')", "pybullet lives in"),
         ("cli", "if TYPE_CHECKING:\n    from rich.text import Text", "rich lives in terminal"),
         ("manipulator.urdf", "import trimesh.creation", "trimesh has no home"),
-        ("analysis.cost", "", "a room without a law"),
+        ("cellar.cost", "", "a room without a law"),
     ],
 )
 def test_the_law_finds_what_breaks_it(module: str, source: str, breach: str) -> None:

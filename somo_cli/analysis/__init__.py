@@ -1,0 +1,1 @@
+"""What a scene costs and how far off it is: error against run time, stability, conditioning."""

@@ -1,0 +1,1 @@
+"""Pictures of results; matplotlib is an extra and known only here."""

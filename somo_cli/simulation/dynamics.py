@@ -1,0 +1,202 @@
+"""Rigid-body dynamics of a chain at one pose, as arrays: inertia, energies, loads, stiffness.
+
+The engine is not asked, so that `check` can do without it and a result can be held against it.
+Coordinates are the base's angular velocity and the velocity of its centre of mass, both in the
+world frame, then the joint rates base to tip: 6 + n of them. Link 0 is the base; joint i moves
+link i + 1. Everything is in the units of the chain.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from somo_cli.manipulator.chain import Chain
+from somo_cli.manipulator.geometry import Vector
+from somo_cli.manipulator.kinematics import Pose
+from somo_cli.simulation.springs import Array
+
+
+class ChainDynamics:
+    """What of a chain no pose changes, as arrays; `at` gives the chain at a pose."""
+
+    def __init__(self, chain: Chain) -> None:
+        joints, links = chain.joints, chain.links
+        self.count = len(joints)
+        self.masses: Array = np.array([link.inertial.mass for link in links])
+        self.centres: Array = np.array([link.inertial.centre for link in links])
+        self.inertias: Array = np.array([_tensor(link.inertial.inertia) for link in links])
+        self.axes: Array = np.array([joint.axis for joint in joints]).reshape(-1, 3)
+        self.stiffness: Array = np.array([joint.stiffness for joint in joints])
+        self.damping: Array = np.array([joint.damping for joint in joints])
+        self.neutral: Array = np.array([joint.neutral_position for joint in joints])
+        self.tip: Array = np.array(chain.tip)
+        # each joint as a homogeneous transform, linear in 1, sin q and 1 - cos q (Rodrigues)
+        self._constant: Array = np.tile(np.eye(4), (self.count, 1, 1))
+        self._constant[:, :3, 3] = np.array([joint.origin for joint in joints]).reshape(-1, 3)
+        self._sine: Array = np.zeros((self.count, 4, 4))
+        self._sine[:, :3, :3] = cross_matrices(self.axes)
+        self._versine: Array = self._sine @ self._sine
+
+    def at(self, angles: Sequence[float] | Array, base: Pose | None = None) -> ChainPose:
+        """Return the chain at these joint angles [rad]; the base at the world's origin if None."""
+        return ChainPose(self, np.asarray(angles, dtype=np.float64), base or Pose())
+
+    def frames(self, angles: Array, base: Pose) -> Array:
+        """Return the homogeneous transforms of all link frames in the world, (n + 1, 4, 4)."""
+        sine, versine = np.sin(angles), 2 * np.sin(angles / 2) ** 2
+        steps = (
+            self._constant
+            + sine[:, np.newaxis, np.newaxis] * self._sine
+            + versine[:, np.newaxis, np.newaxis] * self._versine
+        )
+        frames: Array = np.empty((self.count + 1, 4, 4))
+        frames[0] = np.eye(4)
+        frames[0, :3, :3], frames[0, :3, 3] = base.rotation, base.position
+        for index in range(self.count):
+            np.matmul(frames[index], steps[index], frames[index + 1])
+        return frames
+
+
+class ChainPose:
+    """A chain at one pose; vectors and points in the world frame."""
+
+    def __init__(self, chain: ChainDynamics, angles: Array, base: Pose) -> None:
+        frames = chain.frames(angles, base)
+        self.chain = chain
+        self.angles = angles
+        self.rotations: Array = frames[:, :3, :3]  # of the link frames, (n + 1, 3, 3)
+        self.origins: Array = frames[:, :3, 3]  # of the link frames, (n + 1, 3)
+        self.axes: Array = np.einsum("ijk,ik->ij", self.rotations[1:], chain.axes)  # (n, 3)
+        self.centres: Array = self.origins + np.einsum("ijk,ik->ij", self.rotations, chain.centres)
+
+    def point(self, link: int, local: Sequence[float] | Array) -> Array:
+        """Return the place in the world of a point of a link, given in the link's frame."""
+        place: Array = self.origins[link] + self.rotations[link] @ np.asarray(local)
+        return place
+
+    @property
+    def tip(self) -> Array:
+        """Where the tip is, shape (3,)."""
+        return self.point(self.chain.count, self.chain.tip)
+
+    def mass_matrix(self) -> Array:
+        """Return the inertia of base and joints, shape (6 + n, 6 + n).
+
+        M = sum of m Jv' Jv + Jw' I Jw over the links: Featherstone, Rigid Body Dynamics
+        Algorithms (2008), eq. 2.60 and 6.4, written out.
+        """
+        count = self.chain.count + 1
+        linear, angular = self._jacobians()
+        inertias = self.rotations @ self.chain.inertias @ self.rotations.transpose(0, 2, 1)
+        weighted = (linear * self.chain.masses[:, np.newaxis, np.newaxis]).reshape(3 * count, -1)
+        turning = (inertias @ angular).reshape(3 * count, -1)
+        matrix: Array = linear.reshape(3 * count, -1).T @ weighted
+        matrix += angular.reshape(3 * count, -1).T @ turning
+        return matrix
+
+    def joint_inertia(self, has_free_base: bool = False) -> Array:
+        """Return what the joints feel, shape (n, n): of a held base, or of one nothing holds."""
+        matrix = self.mass_matrix()
+        joints = matrix[6:, 6:]
+        if not has_free_base:
+            return joints
+        reduced: Array = joints - matrix[6:, :6] @ np.linalg.solve(matrix[:6, :6], matrix[:6, 6:])
+        return (reduced + reduced.T) / 2
+
+    def _jacobians(self) -> tuple[Array, Array]:
+        """Return velocity of every centre of mass and spin of every link, (n + 1, 3, 6 + n)."""
+        n = self.chain.count
+        linear, angular = np.zeros((2, n + 1, 3, 6 + n))
+        angular[:, :, :3] = np.eye(3)
+        linear[:, :, 3:6] = np.eye(3)
+        linear[:, :, :3] = -cross_matrices(self.centres - self.centres[0])
+        moves = np.tri(n + 1, n, -1)  # link l is moved by the joints before it
+        arms = self.centres[:, np.newaxis] - self.origins[np.newaxis, 1:]
+        swing = np.cross(self.axes[np.newaxis], arms) * moves[:, :, np.newaxis]
+        linear[:, :, 6:] = swing.transpose(0, 2, 1)
+        angular[:, :, 6:] = (moves[:, :, np.newaxis] * self.axes).transpose(0, 2, 1)
+        return linear, angular
+
+    def force_on(self, link: int, point: Array, force: Array, moment: Array) -> Array:
+        """Return the generalised force, shape (6 + n,), of a force and a moment on a link.
+
+        `point` is where the force acts, in the world. The first six are the moment about the
+        base's centre of mass and the force, then come the joint torques.
+        """
+        generalised: Array = np.zeros(6 + self.chain.count)
+        (turn,) = cross_matrices(force[np.newaxis])
+        axes = self.axes[:link]
+        generalised[:3] = moment - turn @ (point - self.centres[0])
+        generalised[3:6] = force
+        # a · (r x F + M) = r · (F x a) + a · M; numpy's cross is slow, and this runs in every step
+        arms = point - self.origins[1 : link + 1]
+        generalised[6 : 6 + link] = np.einsum("ij,ij->i", arms, axes @ turn.T) + axes @ moment
+        return generalised
+
+    def stiffness_of_force(self, link: int, point: Array, force: Array) -> Array:
+        """Return the joint stiffness, (n, n), of a force fixed in the world: minus dτ/dq.
+
+        d/dq_j of a_i x (p - o_i) is a_j x (a_i x (p - o_i)) for j <= i.
+        """
+        n = self.chain.count
+        arms = np.cross(self.axes[:link], point - self.origins[1 : link + 1])
+        stiffness: Array = np.zeros((n, n))
+        turned = np.cross(self.axes[:link, np.newaxis], arms[np.newaxis])  # [j, i]
+        upper = np.triu(turned @ force)
+        stiffness[:link, :link] = -(upper + np.triu(upper, 1).T)
+        return stiffness
+
+    def gravity_force(self, gravity: Vector) -> Array:
+        """Return the generalised force of gravity, shape (6 + n,)."""
+        linear, _ = self._jacobians()
+        weights = self.chain.masses[:, np.newaxis] * np.array(gravity)
+        generalised: Array = np.einsum("lkc,lk->c", linear, weights)
+        return generalised
+
+    def gravity_stiffness(self, gravity: Vector) -> Array:
+        """Return the joint stiffness of gravity, (n, n); not positive where the chain may topple.
+
+        As `stiffness_of_force`, with all the mass that a joint carries at its common centre.
+        """
+        masses = self.chain.masses[1:, np.newaxis]
+        carried = np.cumsum(masses[::-1], axis=0)[::-1]
+        moments = np.cumsum((masses * self.centres[1:])[::-1], axis=0)[::-1]
+        arms = np.cross(self.axes, moments - carried * self.origins[1:])
+        turned = np.cross(self.axes[:, np.newaxis], arms[np.newaxis])  # [j, i], j <= i
+        upper = np.triu(turned @ np.array(gravity))
+        stiffness: Array = -(upper + np.triu(upper, 1).T)
+        return stiffness
+
+    def kinetic_energy(self, rates: Sequence[float] | Array) -> float:
+        """Return the kinetic energy at these rates, shape (6 + n,): base first."""
+        linear, angular = self._jacobians()
+        speeds, spins = linear @ np.asarray(rates), angular @ np.asarray(rates)
+        local = np.einsum("ikj,ik->ij", self.rotations, spins)
+        turning = np.einsum("ij,ijk,ik->", local, self.chain.inertias, local)
+        return 0.5 * float(self.chain.masses @ np.einsum("ij,ij->i", speeds, speeds) + turning)
+
+    def elastic_energy(self) -> float:
+        """Return the energy in the springs."""
+        deflection = self.angles - self.chain.neutral
+        return 0.5 * float(self.chain.stiffness @ deflection**2)
+
+    def gravity_energy(self, gravity: Vector) -> float:
+        """Return the energy in the field of gravity, zero at the world's origin."""
+        return -float(self.chain.masses @ self.centres @ np.array(gravity))
+
+
+def cross_matrices(vectors: Array) -> Array:
+    """Return the matrices, (n, 3, 3), that act on a vector as the cross products v x do."""
+    matrices: Array = np.zeros((len(vectors), 3, 3))
+    x, y, z = vectors.T
+    matrices[:, 0, 1], matrices[:, 1, 0] = -z, z
+    matrices[:, 0, 2], matrices[:, 2, 0] = y, -y
+    matrices[:, 1, 2], matrices[:, 2, 1] = -x, x
+    return matrices
+
+
+def _tensor(inertia: tuple[float, float, float, float, float, float]) -> list[list[float]]:
+    xx, xy, xz, yy, yz, zz = inertia
+    return [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
