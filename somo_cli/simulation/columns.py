@@ -9,23 +9,32 @@ from typing import TypeAlias
 
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.dimensions import Dimension
+from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose, link_poses
+from somo_cli.simulation.dynamics import ChainDynamics
 from somo_cli.simulation.plan import TORQUE, Body, Plan
 from somo_cli.simulation.scene import Quantity
 
 _XYZ = ("x_m", "y_m", "z_m")
 _XYZW = ("qx", "qy", "qz", "qw")
+_ENERGIES = ("kinetic_j", "elastic_j", "gravity_j")
 
 
 @dataclass
 class State:
-    """One body at one instant, in engine units: angles, rates and actuation by joint."""
+    """One body at one instant, in engine units: angles, rates and actuation by joint.
+
+    `base_velocity` holds the velocity of the base's centre of mass and its spin, in the world.
+    """
 
     body: Body
     angles: Sequence[float]
     rates: Sequence[float]
     actuation: Sequence[float]
     base: Callable[[], Pose]
+    base_velocity: tuple[Vector, Vector]
+    gravity: Vector
+    dynamics: Callable[[], ChainDynamics]
 
     @cached_property
     def base_pose(self) -> Pose:
@@ -63,6 +72,28 @@ def header(plan: Plan) -> list[str]:
     return names
 
 
+@dataclass(frozen=True, slots=True)
+class Group:
+    """The columns [first, last) of one quantity of one body, all of one unit."""
+
+    body: int
+    quantity: Quantity
+    first: int
+    last: int
+
+
+def groups(plan: Plan) -> list[Group]:
+    """Return what the columns of the header are, in their order, time left out."""
+    found: list[Group] = []
+    first = 1
+    for number, body in enumerate(plan.bodies):
+        for quantity in plan.columns:
+            last = first + len(_names(body, quantity))
+            found.append(Group(number, quantity, first, last))
+            first = last
+    return found
+
+
 def row(plan: Plan, units: Units, time: float, states: Sequence[State]) -> list[float]:
     """Return one row of values in SI, in the order of the header."""
     values = [float(f"{time:.12g}")]  # 0.018, not 0.018000000000000002
@@ -86,6 +117,7 @@ def _names(body: Body, quantity: Quantity) -> list[str]:
         "link_orientations": (links, _XYZW),
         "base_pose": (["base_pose"], _XYZ + _XYZW),
         "tip_position": (["tip"], _XYZ),
+        "energy": (["energy"], _ENERGIES),
     }
     owners, units = suffixes[quantity]
     return [f"{owner}.{unit}" for owner in owners for unit in units]
@@ -141,6 +173,14 @@ def _tip_position(state: State, units: Units) -> Iterator[float]:
     yield from (coordinate / units.length for coordinate in tip)
 
 
+def _energy(state: State, units: Units) -> Iterator[float]:
+    pose = state.dynamics().at(state.angles, state.base_pose)
+    velocity, spin = state.base_velocity
+    yield pose.kinetic_energy([*spin, *velocity, *state.rates]) / units.torque
+    yield pose.elastic_energy() / units.torque
+    yield pose.gravity_energy(state.gravity) / units.torque
+
+
 _READINGS: dict[Quantity, Reading] = {
     "joint_angles": _angles,
     "joint_rates": _rates,
@@ -151,4 +191,5 @@ _READINGS: dict[Quantity, Reading] = {
     "link_orientations": _link_orientations,
     "base_pose": _base_pose,
     "tip_position": _tip_position,
+    "energy": _energy,
 }

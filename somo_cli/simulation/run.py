@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator.geometry import Vector
 from somo_cli.simulation import columns, watch
 from somo_cli.simulation.columns import State
 from somo_cli.simulation.free_base import FreeRunner
@@ -44,7 +46,8 @@ def run(
     ]
     begin(plan, world, runners)
     units = columns.units_of(plan)
-    needs_next_rates = plan.integrator == "implicit" and "joint_rates" in plan.columns
+    needs_rates = not {"joint_rates", "energy"}.isdisjoint(plan.columns)
+    needs_next_rates = plan.integrator == "implicit" and needs_rates
     step = rows = 0
     started = clock()
     while True:
@@ -54,7 +57,7 @@ def run(
         watch.check(step, plan, runners)
         advance(step)
         is_recorded = step % plan.every == 0
-        states = [_state(runner) for runner in runners] if is_recorded else []
+        states = [_state(plan, runner) for runner in runners] if is_recorded else []
         until = _next_stop(plan, step, steps)
         if is_recorded and needs_next_rates:
             until = step + 1
@@ -110,17 +113,40 @@ def _is_steady(plan: Plan, runners: Sequence[Runner], first: int, until: int) ->
     return all(runner.steady_until(start) > end for runner in runners)
 
 
-def _state(runner: Runner) -> State:
+def _state(plan: Plan, runner: Runner) -> State:
     """Return a copy of the present state; a base that cannot move is read when a column asks."""
     law = runner.law
     base = runner.world_body.base_pose
+    velocity = geometry.ZERO, geometry.ZERO
     if runner.body.base != "static":
-        pose = base()
+        pose, velocity = base(), runner.world_body.base_velocity()
         base = lambda: pose  # noqa: E731
-    return State(runner.body, law.angles.tolist(), law.rates.tolist(), law.actuation.tolist(), base)
+    return State(
+        runner.body,
+        law.angles.tolist(),
+        law.rates.tolist(),
+        law.actuation.tolist(),
+        base,
+        velocity,
+        plan.gravity,
+        runner.dynamics,
+    )
 
 
 def _centre_rates(states: Sequence[State], runners: Sequence[Runner]) -> None:
     """Replace rates half a step before the instant by the mean with those half a step after."""
     for state, runner in zip(states, runners, strict=True):
         state.rates = (0.5 * (state.rates + runner.law.rates)).tolist()
+        if runner.body.base != "static":
+            linear, spin = (
+                _mean(before, after)
+                for before, after in zip(
+                    state.base_velocity, runner.world_body.base_velocity(), strict=True
+                )
+            )
+            state.base_velocity = linear, spin
+
+
+def _mean(a: Vector, b: Vector) -> Vector:
+    x, y, z = geometry.add(a, b)
+    return (0.5 * x, 0.5 * y, 0.5 * z)

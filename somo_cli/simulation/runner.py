@@ -11,6 +11,7 @@ import numpy as np
 
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
+from somo_cli.simulation.dynamics import ChainDynamics
 from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.springs import Array, SpringLaw, Springs
 from somo_cli.simulation.watch import BodyEnergy
@@ -51,8 +52,15 @@ class Runner:
         self._looked_at: tuple[Array, Array] | None = None  # correction and bias at the last look
         self._resistance: Array = np.ones(len(joints))
         self._drives = [(drive.signal.at, _as_slice(drive.joints)) for drive in body.drives]
+        self._dynamics: ChainDynamics | None = None
         self.pull = self._make_pull()
         self.actuate(0.0)
+
+    def dynamics(self) -> ChainDynamics:
+        """Return the body's chain as arrays; made when first asked for."""
+        if self._dynamics is None:
+            self._dynamics = ChainDynamics(self.body.chain)
+        return self._dynamics
 
     def actuate(self, time: float) -> None:
         """Set the actuation torques of a time [s]."""

@@ -26,6 +26,7 @@ Quantity = Literal[
     "base_pose",
     "tip_position",
     "curvatures",
+    "energy",
 ]
 
 DEFAULT_TIME_STEP = 1e-3  # s

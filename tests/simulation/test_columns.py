@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, get_args
 
@@ -17,6 +18,7 @@ from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation import columns
 from somo_cli.simulation.bullet import BulletBody, BulletWorld
 from somo_cli.simulation.columns import State
+from somo_cli.simulation.dynamics import ChainDynamics
 from somo_cli.simulation.plan import TORQUE, Plan, make_plan
 from somo_cli.simulation.scene import Quantity
 from tests.loading import scene_from_text
@@ -80,6 +82,7 @@ NAMES: dict[Quantity, list[str]] = {
     ],
     "base_pose": [f"base_pose.{name}" for name in ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")],
     "tip_position": ["tip.x_m", "tip.y_m", "tip.z_m"],
+    "energy": ["energy.kinetic_j", "energy.elastic_j", "energy.gravity_j"],
 }
 
 
@@ -114,7 +117,17 @@ def state_in(plan: Plan, angles: list[float], base: Pose) -> State:
     by_channel = {(0, 0): 0.3, (0, 1): -0.2, (0, 2): 0.0, (1, 0): 0.7, (2, 0): -1.5}
     actuation = [torque * by_channel[joint.actuator, joint.channel] for joint in body.chain.joints]
     rates = [0.5 * angle + 1 for angle in angles]
-    return State(body, angles, rates, actuation, lambda: moved)
+    return state_of(plan, angles, rates, actuation, lambda: moved)
+
+
+def state_of(
+    plan: Plan, angles: Any, rates: Any, actuation: Any, base: Callable[[], Pose]
+) -> State:
+    """Return a state whose base moves at 1 m/s along x and turns at 2 rad/s about z."""
+    body, length = plan.bodies[0], plan.scale.factor(Dimension(length=1))
+    velocity = (length, 0.0, 0.0), (0.0, 0.0, 2.0)
+    dynamics = functools.partial(ChainDynamics, body.chain)
+    return State(body, angles, rates, actuation, base, velocity, plan.gravity, dynamics)
 
 
 def row_of(plan: Plan, state: State) -> dict[str, float]:
@@ -150,6 +163,35 @@ def test_the_values_at_a_bent_pose() -> None:
     pose = [found[f"a.{name}"] for name in NAMES["base_pose"]]
     half = math.sqrt(0.5)  # a quarter turn about z
     assert pose == pytest.approx([0.1, -0.2, 0.3, 0.0, 0.0, half, half])
+
+
+def test_the_groups_are_the_columns_of_each_quantity() -> None:
+    two = [{"name": name, "definition": SMALL} for name in ("a", "b")]
+    text = json.dumps({"manipulators": two, "record": {"columns": ["tip_position", "energy"]}})
+    plan = make_plan(scene_from_text(text))
+    names = columns.header(plan)
+    found = [(one.body, one.quantity, names[one.first : one.last]) for one in columns.groups(plan)]
+    assert found == [
+        (number, quantity, [f"{name}.{one}" for one in NAMES[quantity]])
+        for number, name in enumerate("ab")
+        for quantity in ("tip_position", "energy")
+    ]
+
+
+def test_the_energies_of_a_pendulum() -> None:
+    link = {"shape_type": "box", "dimensions": [0.1, 0.2, 2], "mass": 2.0}
+    definition = manipulator(actuator(1, {**X, "joint_neutral_position": 0.5}, link=link))
+    plan = plan_of(definition, "energy", world_scale=20)
+    still = dataclasses.replace(
+        state_in(plan, [0.3], Pose()), rates=[1.5], base_velocity=((0.0,) * 3, (0.0,) * 3)
+    )
+    found = row_of(plan, still)
+    # the moving half of the link: 1 kg, 1 m long, 0.2 m wide, hinged at its end 1 m up
+    inertia = (0.2**2 + 1) / 12 + 0.25
+    assert found["a.energy.kinetic_j"] == pytest.approx(0.5 * inertia * 1.5**2)
+    assert found["a.energy.elastic_j"] == pytest.approx(0.5 * 0.2 * 0.2**2)
+    height = 0.5 + 1 + 0.5 * math.cos(0.3)  # of the two halves, 1 kg each
+    assert found["a.energy.gravity_j"] == pytest.approx(9.81 * height)
 
 
 def test_curvature_is_the_angle_over_the_backbone_it_stands_for() -> None:
@@ -199,7 +241,7 @@ def at_a_bent_pose(scale: float) -> Iterator[tuple[Plan, BulletBody, list[float]
 @pytest.mark.parametrize("scale", [1.0, 20.0])
 def test_poses_are_those_of_the_engine(scale: float) -> None:
     with at_a_bent_pose(scale) as (plan, loaded, angles):
-        state = State(plan.bodies[0], angles, angles, angles, loaded.base_pose)
+        state = state_of(plan, angles, angles, angles, loaded.base_pose)
         found = row_of(plan, state)
         engine: Any = loaded
         bullet, index, client = engine._bullet, loaded.index, engine._client
