@@ -51,7 +51,7 @@ HOMES = {
     "referencing": ("document.validate",),
     "rich": ("terminal",),
     "scipy": ("simulation.signal", "analysis."),
-    "typer": ("cli",),
+    "typer": ("cli.",),
     "xml": ("manipulator.urdf",),
     "yaml": ("document.parse",),
     "yourdfpy": ("manipulator.verify",),

@@ -1,0 +1,87 @@
+"""somo build: a definition to a scaled URDF."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from somo_cli import files, terminal
+from somo_cli.cli.door import (
+    EXIT_CODES,
+    QuietOption,
+    SetOption,
+    app,
+    ending,
+    refuse_overwriting,
+    require,
+)
+
+
+@app.command(epilog=EXIT_CODES)
+@ending
+def build(
+    definition: Annotated[str, typer.Argument(help="A manipulator definition, YAML or JSON.")],
+    output: Annotated[
+        str | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="Where to write; - is standard output. [default: the definition's urdf_filename, "
+            "else its own name with .urdf, in the current directory]",
+        ),
+    ] = None,
+    scale: Annotated[
+        float | None,
+        typer.Option(
+            "--scale", metavar="X", help="Length factor, in place of the one in the file."
+        ),
+    ] = None,
+    sets: SetOption = None,
+    tip_frame: Annotated[
+        str | None,
+        typer.Option(
+            "--tip-frame", metavar="NAME", help="Add a massless link of that name at the tip."
+        ),
+    ] = None,
+    verify: Annotated[
+        bool,
+        typer.Option("--verify", help="Read the URDF back with another reader and compare."),
+    ] = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Compile a manipulator definition into a scaled URDF."""
+    from somo_cli import loading
+    from somo_cli.manipulator.compile import compile_definition
+    from somo_cli.manipulator.dimensions import Scale
+
+    is_scale = scale is None or 0 < scale <= 1e6
+    require(is_scale, "--scale", f"{scale} is not greater than 0 and at most 1e6")
+    is_name = tip_frame is None or _is_name(tip_frame)
+    require(is_name, "--tip-frame", f"{tip_frame!r} is not a safe name")
+    document = loading.load(definition, sets or [])
+    loading.refuse_scene(document)
+    compiled = compile_definition(document)
+    terminal.say_problems(compiled.warnings, document.texts)
+    names = {link.name for link in compiled.chain.links}
+    require(tip_frame not in names, "--tip-frame", f"{tip_frame} is the name of a link already")
+    own = compiled.scale or Scale()
+    wanted = own if scale is None else Scale(scale, own.mass)
+    text = compiled.urdf(wanted, tip_frame)
+    if verify:
+        from somo_cli.manipulator.verify import require_equal
+
+        require_equal(text, compiled.scaled_chain(wanted))
+    name = compiled.definition.urdf_filename or f"{Path(definition).stem}.urdf"
+    refuse_overwriting(document, output or name)
+    if output == "-":
+        with files.partial("-") as stream:
+            stream.write(text)
+        return
+    files.write_whole(output or name, text)
+    if not quiet:
+        terminal.say(f"{output or name}: {compiled.described(wanted)}")
+
+
+def _is_name(text: str) -> bool:
+    return text.isascii() and text.isidentifier() and len(text) <= 64

@@ -1,0 +1,18 @@
+"""somo examples: the shipped definitions, to begin with."""
+
+from typing import Annotated
+
+import typer
+
+from somo_cli import files
+from somo_cli.cli.door import EXIT_CODES, app, ending
+
+
+@app.command(epilog=EXIT_CODES)
+@ending
+def examples(
+    folder: Annotated[str, typer.Argument(help="A folder to make.")] = "somo-examples",
+) -> None:
+    """Copy the shipped definitions, scenes and schemas into a new folder."""
+    for path in files.copy_examples(folder):
+        typer.echo(path)

@@ -1,0 +1,117 @@
+"""somo run: a scene to a trajectory in CSV."""
+
+import json
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from somo_cli import files, terminal
+from somo_cli.cli.door import (
+    EXIT_CODES,
+    QuietOption,
+    SetOption,
+    app,
+    ending,
+    refuse_overwriting,
+    require,
+)
+from somo_cli.problems import SimulationDiverged
+
+if TYPE_CHECKING:
+    from somo_cli.document.parse import Document
+    from somo_cli.simulation.scene import Scene
+
+
+@app.command(epilog=EXIT_CODES)
+@ending
+def run(
+    scene: Annotated[str, typer.Argument(help="A scene, or a definition to run by itself.")],
+    steps: Annotated[int, typer.Option("--steps", min=0, help="Number of time steps.")],
+    output: Annotated[
+        str | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="Where to write the CSV; - is standard output. [default: the scene's name with "
+            ".csv, in the current directory]",
+        ),
+    ] = None,
+    every: Annotated[
+        int | None, typer.Option("--every", min=1, help="Steps between two recorded rows.")
+    ] = None,
+    time_step: Annotated[
+        float | None,
+        typer.Option("--time-step", metavar="S", help="Time step in seconds."),
+    ] = None,
+    sets: SetOption = None,
+    quiet: QuietOption = False,
+) -> None:
+    """Simulate a scene and stream its trajectory to CSV.
+
+    Rows so far stay in FILE.partial when the run does not reach its end.
+    """
+    from somo_cli import loading
+
+    is_step = time_step is None or 0 < time_step <= 1
+    require(is_step, "--time-step", f"{time_step} is not greater than 0 and at most 1")
+    document = loading.load(scene, sets or [])
+    planned, warnings = loading.scene_of(document, every, time_step)
+    terminal.say_problems(warnings, document.texts)
+    target = output or f"{Path(scene).stem}.csv"
+    refuse_overwriting(document, target)
+    _simulate(planned, document, steps, target, sets or [], quiet)
+
+
+def _simulate(
+    scene: "Scene",
+    document: "Document",
+    steps: int,
+    output: str,
+    sets: Sequence[str],
+    quiet: bool,
+) -> None:
+    from somo_cli.simulation import columns
+    from somo_cli.simulation.bullet import BulletWorld
+    from somo_cli.simulation.metadata import metadata
+    from somo_cli.simulation.plan import make_plan
+    from somo_cli.simulation.recorder import CsvRecorder
+    from somo_cli.simulation.run import run as simulate
+
+    plan = make_plan(scene)
+    names = columns.header(plan)
+    try:
+        # the output comes first: the world takes standard output away from the engine
+        with (
+            files.partial(output) as stream,
+            BulletWorld(plan) as world,
+            terminal.progress(steps, "simulating") as advance,
+        ):
+            recorder = CsvRecorder(stream, names, flush_rows=output == "-")
+            summary = simulate(plan, world, recorder.write, steps, time.perf_counter, advance)
+    except (SimulationDiverged, KeyboardInterrupt):
+        if output != "-" and Path(f"{output}.partial").exists():
+            terminal.say(f"somo: the rows so far are in {output}.partial")
+        raise
+    inputs = {
+        source: text for source, text in document.texts.items() if not source.startswith("--set")
+    }
+    about = metadata(plan, summary, inputs, sets, names)
+    if output != "-" and not files.is_direct(output):
+        files.write_whole(_beside(output), json.dumps(about, indent=2) + "\n")
+    if not quiet:
+        target = "standard output" if output == "-" else output
+        terminal.say(
+            f"{target}: {summary.rows} rows of {len(names)} columns; "
+            f"{steps * plan.time_step:g} s in {summary.wall_time:.3g} s, "
+            f"{about['steps_per_second'] or 0:.0f} steps per second"
+        )
+
+
+def _beside(output: str) -> str:
+    path = Path(output)
+    stem = path.name.removesuffix(".csv")
+    return str(path.with_name(f"{stem}.meta.json"))
