@@ -1,0 +1,108 @@
+"""Closed forms of beams and single joints, in numbers without dimension.
+
+Beams are inextensible, of length 1 and flexural rigidity 1, clamped at the origin along x, and
+bend towards y.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipeinc, ellipj, ellipk, ellipkinc
+
+from somo_cli.simulation.springs import Array
+
+Tip = tuple[float, float]
+
+
+def small_tip_load(load: float) -> Tip:
+    """Return the tip under a force load = P L²/EI along y: L³P/3EI, the length unchanged.
+
+    Off by about load³ from `tip_load`: Timoshenko, Strength of Materials I, sec. 32.
+    """
+    return 1.0, load / 3
+
+
+def tip_load(load: float) -> Tip:
+    """Return the tip under a force load = P L²/EI that stays along y, however large.
+
+    Bisshopp and Drucker, Q. Appl. Math. 3 (1945) 272: with the tip's slope θ,
+    k² = (1 + sin θ)/2 and sin φ = 1/(k√2), √load = K(k) - F(φ, k).
+    """
+    if load == 0:
+        return 1.0, 0.0
+    root = math.sqrt(abs(load))
+
+    def modulus(slope: float) -> tuple[float, float]:
+        # scipy's parameter is m = k²
+        m = (1 + math.sin(slope)) / 2
+        return m, math.asin(min(1.0, math.sqrt(0.5 / m)))
+
+    def miss(slope: float) -> float:
+        m, amplitude = modulus(slope)
+        return float(ellipk(m) - ellipkinc(amplitude, m)) - root
+
+    slope = brentq(miss, 0.0, math.pi / 2 * (1 - 1e-15), xtol=1e-15, rtol=1e-14)
+    m, amplitude = modulus(slope)
+    sideways = 1 - 2 / root * float(ellipe(m) - ellipeinc(amplitude, m))
+    along = math.sqrt(2 * math.sin(slope) / abs(load))
+    return along, math.copysign(sideways, load)
+
+
+def end_moment(moment: float) -> Tip:
+    """Return the tip under an end moment = M L/EI: an arc of the angle `moment` [rad]."""
+    return float(np.sinc(moment / math.pi)), moment / 2 * float(np.sinc(moment / 2 / math.pi)) ** 2
+
+
+def own_weight(load: float) -> Tip:
+    """Return the tip under a load = w L³/EI spread evenly along the beam that stays along y.
+
+    θ'' = -load (1 - s) cos θ, θ(0) = 0, θ'(1) = 0, by shooting for the curvature at the clamp.
+    """
+    if load == 0:
+        return 1.0, 0.0
+    size = abs(load)
+
+    def along(s: float, state: Array) -> list[float]:
+        slope, curvature = state[:2]
+        return [curvature, -size * (1 - s) * math.cos(slope), math.cos(slope), math.sin(slope)]
+
+    def end(curvature: float) -> Array:
+        start = [0.0, curvature, 0.0, 0.0]
+        shot = solve_ivp(along, (0, 1), start, method="DOP853", rtol=1e-12, atol=1e-14)
+        last: Array = shot.y[:, -1]
+        return last
+
+    curvature = brentq(lambda guess: float(end(guess)[1]), 0.0, size / 2, xtol=1e-14, rtol=1e-13)
+    x, y = end(curvature)[2:]
+    return float(x), math.copysign(float(y), load)
+
+
+def pendulum(times: Array, frequency: float, angle: float, rate: float) -> Array:
+    """Return the angles [rad] from hanging down of a pendulum that swings, at times [s].
+
+    θ'' = -ω² sin θ with ω the `frequency` [rad/s] of small swings; sin(θ/2) = k sn(ω t + c, k).
+    Whittaker, Analytical Dynamics, sec. 44. Raises ValueError for one that goes over the top.
+    """
+    m = math.sin(angle / 2) ** 2 + (rate / (2 * frequency)) ** 2
+    if m >= 1:
+        raise ValueError("the pendulum goes over the top")
+    if m == 0:
+        return np.zeros_like(times)
+    phase = float(ellipkinc(math.asin(max(-1.0, min(1.0, math.sin(angle / 2) / math.sqrt(m)))), m))
+    if rate < 0:
+        phase = 2 * float(ellipk(m)) - phase
+    sine = ellipj(frequency * times + phase, m)[0]
+    return np.asarray(2 * np.arcsin(math.sqrt(m) * sine), dtype=np.float64)
+
+
+def oscillator(
+    times: Array, inertia: float, damping: float, stiffness: float, start: tuple[float, float]
+) -> Array:
+    """Return the angles [rad] of I q'' + d q' + k q = 0 at times [s], from (q, q') at zero."""
+    matrix = np.array([[0.0, 1.0], [-stiffness / inertia, -damping / inertia]])
+    return np.array([(expm(matrix * time) @ start)[0] for time in times])

@@ -1,0 +1,98 @@
+"""What errors are measured against: the same scene at vanishing step, with its own error."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from somo_cli.analysis.errors import aligned, profiles
+from somo_cli.problems import SimulationDiverged
+from somo_cli.simulation import columns
+from somo_cli.simulation.plan import Plan
+from somo_cli.simulation.scene import Quantity
+from somo_cli.simulation.springs import Array
+
+ORDERS = (0.75, 2.75)  # observed orders that can be believed of a method or a chain of order 1 or 2
+ATTEMPTS = 4
+ROUNDING = 1e-14  # of the largest value: no difference of runs means anything below
+
+Recorded: TypeAlias = Callable[[float], Array]
+"""Simulates with a time step [s] and returns the rows at the common instants."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """Rows at the common instants, with the error [unit] and observed order of each quantity.
+
+    The error is an estimate from above; the order is not a number where none could be seen.
+    """
+
+    rows: Array
+    error: dict[Quantity, float]
+    order: dict[Quantity, float]
+    time_step: float
+    kind: str = "self-converged"
+
+
+def converged(plan: Plan, time_step: float, recorded: Recorded) -> Reference:
+    """Return the reference by runs with this step [s], its half and its quarter.
+
+    Where a run diverges, all are made with half the step; raises SimulationDiverged in the end.
+    """
+    for attempt in range(ATTEMPTS):
+        step = time_step / 2**attempt
+        try:
+            levels = [recorded(step / 2**level) for level in range(3)]
+        except SimulationDiverged:
+            if attempt == ATTEMPTS - 1:
+                raise
+            continue
+        rows, error, order = extrapolated(plan, levels, 2.0)
+        return Reference(rows, error, order, step / 4)
+    raise AssertionError("the last attempt returns or raises")
+
+
+def extrapolated(
+    plan: Plan, levels: Sequence[Array], ratio: float
+) -> tuple[Array, dict[Quantity, float], dict[Quantity, float]]:
+    """Return Richardson's limit of three levels, coarse to fine, its error and the orders.
+
+    With p the order observed in a quantity and r the ratio of the steps, the limit is
+    y3 + (y3 - y2) / (r^p - 1), and its error at most what it changed by from the coarser pair to
+    the finer one. Where no order can be seen the finest level stands, with the last change for
+    its error: Roache, J. Fluids Eng. 116 (1994) 405.
+    """
+    first, second, third = (_on_one_side(plan, level, levels[2]) for level in levels)
+    before, after = profiles(plan, first, second), profiles(plan, second, third)
+    orders = {
+        quantity: _order(float(before[quantity].max()), float(after[quantity].max()), ratio)
+        for quantity in after
+    }
+    factor = np.zeros(third.shape[1])
+    for group in columns.groups(plan):
+        order = orders[group.quantity]
+        if ORDERS[0] <= order <= ORDERS[1]:
+            factor[group.first : group.last] = 1 / (ratio**order - 1)
+    rows = third + factor * (third - second)
+    change = profiles(plan, rows, second + factor * (second - first))
+    errors = {quantity: float(profile.max()) for quantity, profile in change.items()}
+    for group in columns.groups(plan):
+        size = np.abs(third[:, group.first : group.last]).max(initial=0.0)
+        errors[group.quantity] = max(errors[group.quantity], ROUNDING * float(size))
+    return rows, errors, orders
+
+
+def _order(before: float, after: float, ratio: float) -> float:
+    return math.log(before / after, ratio) if before > 0 and after > 0 else math.nan
+
+
+def _on_one_side(plan: Plan, rows: Array, reference: Array) -> Array:
+    turned = rows.copy()
+    for group in columns.groups(plan):
+        part = slice(group.first, group.last)
+        turned[:, part] = aligned(group.quantity, rows[:, part], reference[:, part])
+    return turned

@@ -1,0 +1,45 @@
+"""The same scene with another step, integrator or number of segments."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from somo_cli.manipulator import segments
+from somo_cli.simulation.scene import Integrator, Manipulator, Quantity, Scene
+
+ALWAYS: tuple[Quantity, ...] = ("tip_position", "joint_angles", "energy")
+"""What a study compares whatever the scene records."""
+
+
+def studied(scene: Scene) -> Scene:
+    """Return the scene recording what a study compares, and what it records itself."""
+    return dataclasses.replace(scene, columns=tuple(dict.fromkeys((*ALWAYS, *scene.columns))))
+
+
+def stepped(scene: Scene, integrator: Integrator, time_step: float, every: int) -> Scene:
+    """Return the scene with another integrator and step [s]."""
+    return dataclasses.replace(scene, integrator=integrator, time_step=time_step, every=every)
+
+
+def cut(scene: Scene, count: int) -> Scene:
+    """Return the scene with `count` segments in every actuator, the continuum kept.
+
+    Raises segments.NotUniform, its message starting with the name of the manipulator.
+    """
+    return dataclasses.replace(
+        scene, manipulators=tuple(_cut(one, count) for one in scene.manipulators)
+    )
+
+
+def _cut(one: Manipulator, count: int) -> Manipulator:
+    compiled = one.compiled
+    try:
+        anew = segments.cut(compiled, count)
+        return dataclasses.replace(
+            one,
+            compiled=anew,
+            initial_angles=segments.per_joint(one.initial_angles, compiled, anew),
+            initial_rates=segments.per_joint(one.initial_rates, compiled, anew),
+        )
+    except segments.NotUniform as error:
+        raise segments.NotUniform(f"'{one.name}' cannot be cut into {count}: {error}") from error
