@@ -51,16 +51,16 @@ def open_reference(naming_source: str, reference: str) -> tuple[str, str]:
     return str(path), _read(real, str(path))
 
 
-def write_whole(path: str, text: str) -> None:
+def write_whole(path: str, content: str | bytes) -> None:
     """Write a file such that it has the old contents or all of the new, never a part.
 
     A symbolic link is followed, the mode of an existing file is kept; devices and pipes are
     written directly. Raises OSError.
     """
-    content = text.encode("utf-8")
+    written = content.encode("utf-8") if isinstance(content, str) else content
     if is_direct(path):
         with Path(path).open("wb") as device:
-            device.write(content)
+            device.write(written)
         return
     target, mode = _target(path)
     temporary = target.with_name(f".somo-{secrets.token_hex(8)}.tmp")
@@ -72,7 +72,7 @@ def write_whole(path: str, text: str) -> None:
         raise _about(error, path) from error
     try:
         with stream:
-            stream.write(content)
+            stream.write(written)
             _settle(stream)
         _publish(temporary, target, mode)
     except OSError as error:

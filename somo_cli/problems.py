@@ -104,5 +104,9 @@ class EngineRefused(SomoError):
         return f"the engine refused '{self.body}': {self.reason}"
 
 
+class ExtraMissing(SomoError):
+    """An optional package is not installed."""
+
+
 class EngineMissing(SomoError):
     """The engine is not installed."""

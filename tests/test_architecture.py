@@ -43,7 +43,7 @@ KNOWS = {
 
 # Every library that is not the interpreter's own, and the standard ones that are a format.
 HOMES = {
-    "csv": ("simulation.recorder",),
+    "csv": ("simulation.recorder", "analysis.account"),
     "jsonschema": ("document.validate",),
     "matplotlib": ("picture.",),
     "numpy": ("simulation.", "analysis.", "manipulator.verify"),

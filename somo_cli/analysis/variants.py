@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 
-from somo_cli.manipulator import segments
-from somo_cli.simulation.scene import Integrator, Manipulator, Quantity, Scene
+from somo_cli.manipulator import geometry, segments
+from somo_cli.manipulator.chain import Chain
+from somo_cli.simulation.scene import Integrator, Load, Manipulator, Quantity, Scene
 
 ALWAYS: tuple[Quantity, ...] = ("tip_position", "joint_angles", "energy")
 """What a study compares whatever the scene records."""
@@ -40,6 +41,19 @@ def _cut(one: Manipulator, count: int) -> Manipulator:
             compiled=anew,
             initial_angles=segments.per_joint(one.initial_angles, compiled, anew),
             initial_rates=segments.per_joint(one.initial_rates, compiled, anew),
+            loads=tuple(_moved(load, compiled.chain, anew.chain) for load in one.loads),
         )
     except segments.NotUniform as error:
         raise segments.NotUniform(f"'{one.name}' cannot be cut into {count}: {error}") from error
+
+
+def _moved(load: Load, before: Chain, after: Chain) -> Load:
+    """Return a load on the base or on the last link, at the same place from the tip."""
+    if load.link == 0:
+        return load
+    if load.link != len(before.joints):
+        link = before.links[load.link].name
+        raise segments.NotUniform(f"there is a load on {link}, which may have no counterpart")
+    from_tip = geometry.subtract(load.point, before.tip)
+    point = geometry.add(after.tip, from_tip)
+    return dataclasses.replace(load, link=len(after.joints), point=point)

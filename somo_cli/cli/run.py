@@ -96,10 +96,7 @@ def _simulate(
         if output != "-" and Path(f"{output}.partial").exists():
             terminal.say(f"somo: the rows so far are in {output}.partial")
         raise
-    inputs = {
-        source: text for source, text in document.texts.items() if not source.startswith("--set")
-    }
-    about = metadata(plan, summary, inputs, sets, names)
+    about = metadata(plan, summary, document.texts, sets, names)
     if output != "-" and not files.is_direct(output):
         files.write_whole(_beside(output), json.dumps(about, indent=2) + "\n")
     if not quiet:

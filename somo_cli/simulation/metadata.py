@@ -28,16 +28,7 @@ def metadata(
     """
     simulated = summary.steps * plan.time_step
     return {
-        "somo": __version__,
-        "engine": _engine(),
-        "numpy": version("numpy"),
-        "python": platform.python_version(),
-        "platform": f"{platform.system()} {platform.machine()}",
-        "inputs": {
-            source: {"sha256": hashlib.sha256(text.encode()).hexdigest()}
-            for source, text in inputs.items()
-        },
-        "overrides": list(overrides),
+        **origin(inputs, overrides),
         "integrator": plan.integrator,
         "time_step_s": plan.time_step,
         "steps": summary.steps,
@@ -52,6 +43,26 @@ def metadata(
         "run_time_s": summary.wall_time,
         "steps_per_second": summary.steps / summary.wall_time if summary.wall_time > 0 else None,
         "real_time_factor": simulated / summary.wall_time if summary.wall_time > 0 else None,
+    }
+
+
+def origin(inputs: Mapping[str, str], overrides: Sequence[str]) -> dict[str, object]:
+    """Return what a result comes from: versions, platform, the files read and what overrode them.
+
+    Overrides on the command line are no files, though their texts are among the inputs.
+    """
+    return {
+        "somo": __version__,
+        "engine": _engine(),
+        "numpy": version("numpy"),
+        "python": platform.python_version(),
+        "platform": f"{platform.system()} {platform.machine()}",
+        "inputs": {
+            source: {"sha256": hashlib.sha256(text.encode()).hexdigest()}
+            for source, text in inputs.items()
+            if not source.startswith("--set")
+        },
+        "overrides": list(overrides),
     }
 
 

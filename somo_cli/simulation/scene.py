@@ -29,6 +29,15 @@ Quantity = Literal[
     "energy",
 ]
 
+ClosedForm = Literal[
+    "pendulum",
+    "damped_oscillator",
+    "cantilever_tip_load",
+    "elastica",
+    "end_moment",
+    "own_weight",
+]
+
 DEFAULT_TIME_STEP = 1e-3  # s
 DEFAULT_GRAVITY = (0.0, 0.0, -9.81)  # m/s²
 DEFAULT_COLUMNS: tuple[Quantity, ...] = ("joint_angles", "tip_position")
@@ -72,7 +81,10 @@ class Manipulator:
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """Everything a run needs but the number of steps; SI throughout."""
+    """Everything a run needs but the number of steps; SI throughout.
+
+    `reference` is the closed form that a study holds the results against, if there is one.
+    """
 
     time_step: float
     gravity: Vector
@@ -81,6 +93,7 @@ class Scene:
     manipulators: tuple[Manipulator, ...]
     every: int
     columns: tuple[Quantity, ...]
+    reference: ClosedForm | None
 
 
 def is_scene(document: Document) -> bool:
@@ -88,7 +101,7 @@ def is_scene(document: Document) -> bool:
     keys = set(document.data) if isinstance(document.data, dict) else set()
     if "manipulators" in keys or keys & {"manipulator_name", "actuator_definitions"}:
         return "manipulators" in keys
-    return not keys.isdisjoint({"time_step", "gravity", "integrator", "record"})
+    return not keys.isdisjoint({"time_step", "gravity", "integrator", "record", "reference"})
 
 
 def scene_of_one(definition: Document) -> Document:
@@ -119,6 +132,7 @@ def read(document: Document) -> Scene:
         manipulators=manipulators,
         every=int(record.get("every", 1)),
         columns=tuple(dict.fromkeys(record.get("columns", DEFAULT_COLUMNS))),
+        reference=data.get("reference"),
     )
 
 

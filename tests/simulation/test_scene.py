@@ -36,6 +36,7 @@ def test_what_is_assumed() -> None:
         "integrator": "implicit",
         "scale": Scale(1.0, 1.0),
         "every": 1,
+        "reference": None,
         "columns": ("joint_angles", "tip_position"),
     }
     (one,) = found.manipulators

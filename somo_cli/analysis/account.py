@@ -1,0 +1,243 @@
+"""A study in words, as a table, and as plain values."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Iterator, Sequence
+
+from somo_cli.analysis.choice import Choice, balanced, cheapest, nearest
+from somo_cli.analysis.errors import UNITS, Error
+from somo_cli.analysis.study import Case, Cut, Study
+from somo_cli.simulation.scene import Quantity
+
+_SHOWN: tuple[tuple[str, int], ...] = (
+    ("segments", 8), ("integrator", 10), ("step [s]", 9), ("tip max [m]", 11), ("of length", 9),
+    ("final [m]", 9), ("rms [m]", 9), ("angles [rad]", 12), ("energy", 9), ("order", 5),
+    ("time [ms]", 9), ("steps/s", 8), ("x real time", 11),
+)  # fmt: skip
+
+
+def table(study: Study) -> str:
+    """Return the table of the terminal; errors the reference cannot tell have a < before them."""
+    lines = ["  ".join(f"{name:>{width}}" for name, width in _SHOWN)]
+    for cut in study.cuts:
+        for case in study.cases:
+            if case.segments == cut.segments:
+                cells = _cells(study, cut, case)
+                padded = (
+                    f"{cell:>{width}}" for cell, (_, width) in zip(cells, _SHOWN, strict=False)
+                )
+                lines.append("  ".join(padded).rstrip())
+    return "\n".join(lines)
+
+
+def _cells(study: Study, cut: Cut, case: Case) -> list[str]:
+    count = cut.joints if case.segments is None else case.segments
+    start = [str(count), case.integrator, f"{case.time_step:g}"]
+    if case.status != "ok":
+        return [*start, case.status]
+    least = cut.reference.error
+    final, tip, rms = _three(case.errors["tip_position"])
+    speed = case.steps / case.run_time
+    return [
+        *start,
+        _error(tip, least["tip_position"]),
+        _error(None if tip is None else tip / cut.length, least["tip_position"] / cut.length),
+        _error(final, least["tip_position"]),
+        _error(rms, least["tip_position"]),
+        _error(_three(case.errors["joint_angles"])[1], least["joint_angles"]),
+        _drift(case, cut),
+        "" if math.isnan(case.order) else f"{case.order:.2f}",
+        f"{1e3 * case.run_time:.4g}",
+        f"{speed:.0f}",
+        f"{case.time_step * speed:.3g}",
+    ]
+
+
+def _drift(case: Case, cut: Cut) -> str:
+    """Return the largest error of the energy, relative to the most that one form of it varied."""
+    if cut.energy <= 0:
+        return ""
+    energy = _three(case.errors["energy"])[1]
+    least = cut.reference.error["energy"] / cut.energy
+    return _error(None if energy is None else energy / cut.energy, least)
+
+
+def _error(value: float | None, least: float) -> str:
+    return f"<{least:.1e}" if value is None else f"{value:.2e}"
+
+
+def remarks(study: Study, target: float) -> list[str]:
+    """Return what to know besides the table, the choice last, a sentence each."""
+    said = []
+    for cut in study.cuts:
+        reference = cut.reference
+        where = "" if cut.segments is None else f"{cut.segments} segments: "
+        said.append(
+            f"{where}reference: {reference.kind} (finest step {reference.time_step:g} s), "
+            f"tip known to {reference.error['tip_position']:.1e} m"
+        )
+        if study.model:
+            told = _error(_three(cut.model)[1], study.model_error)
+            said.append(f"{where}model error against {study.model}: tip {told} m")
+    for one in balanced(study):
+        said.append(
+            f"balanced: {_settings(one.case, one.cut)}: solver {_percent(one.solver)}, "
+            f"model {_percent(one.model or 0.0)}"
+        )
+    said.append(choice(study, target))
+    return said
+
+
+def choice(study: Study, target: float) -> str:
+    """Return the sentence that says what to choose."""
+    best = cheapest(study, target)
+    goal = f"{_percent(target)} tip error"
+    if best is not None:
+        return f"for {goal} use {_settings(best.case, best.cut)}: {_speed(best)}"
+    close = nearest(study)
+    if close is None:
+        return f"no case ran to its end, so none has {goal}: try smaller steps"
+    return (
+        f"no case has {goal}: the nearest is {_settings(close.case, close.cut)} with "
+        f"{_percent(close.total)}"
+    )
+
+
+def _settings(case: Case, cut: Cut) -> str:
+    count = "" if case.segments is None else f"{case.segments} segments, "
+    return f"{count}{case.integrator}, dt = {case.time_step:g} s"
+
+
+def _speed(one: Choice) -> str:
+    factor = one.case.steps * one.case.time_step / one.case.run_time
+    return f"{factor:.2g}x real time"
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.2g} %"
+
+
+def csv_text(study: Study) -> str:
+    """Return a header and a row for each case as CSV; cells are empty where nothing is known."""
+    stream = io.StringIO()
+    csv.writer(stream, lineterminator="\n").writerows(_csv_rows(study))
+    return stream.getvalue()
+
+
+def _csv_rows(study: Study) -> Iterator[Sequence[object]]:
+    quantities = _quantities(study)
+    names = [
+        f"{quantity}_{kind}_{_word(UNITS[quantity])}"
+        for quantity in quantities
+        for kind in ("final", "max", "rms", "reference_error")
+    ]
+    yield [
+        "segments", "joints", "integrator", "time_step_s", "steps", "status", "run_time_s",
+        "steps_per_second", "real_time_factor", "order", "tip_max_relative", "model_error_m",
+        *names,
+    ]  # fmt: skip
+    cuts = {cut.segments: cut for cut in study.cuts}
+    for case in study.cases:
+        cut = cuts[case.segments]
+        yield [_blank(cell) for cell in _csv_cells(case, cut, quantities)]
+
+
+def _csv_cells(case: Case, cut: Cut, quantities: Sequence[Quantity]) -> Iterator[object]:
+    speed = case.steps / case.run_time if case.status == "ok" else math.nan
+    tip = _three(case.errors.get("tip_position"))[1]
+    yield from (case.segments, cut.joints, case.integrator, case.time_step, case.steps, case.status)
+    yield from (case.run_time, speed, case.time_step * speed, case.order)
+    yield None if tip is None else tip / cut.length
+    yield _three(cut.model)[1]
+    for quantity in quantities:
+        yield from _three(case.errors.get(quantity))
+        yield cut.reference.error[quantity]
+
+
+def _three(error: Error | None) -> tuple[float | None, ...]:
+    return (None, None, None) if error is None else (error.final, error.maximum, error.rms)
+
+
+def _blank(cell: object) -> object:
+    is_nothing = cell is None or (isinstance(cell, float) and math.isnan(cell))
+    return "" if is_nothing else cell
+
+
+def _word(unit: str) -> str:
+    words = {"1": "", "1/m": "per_m", "rad/s": "rad_per_s", "N·m": "nm", "J": "j"}
+    return words.get(unit, unit)
+
+
+def _quantities(study: Study) -> list[Quantity]:
+    return list(study.cuts[0].reference.error)
+
+
+def plain(study: Study, target: float) -> dict[str, object]:
+    """Return the whole study as values for JSON."""
+    question = study.question
+    best = cheapest(study, target)
+    return {
+        "choice": choice(study, target),
+        "target_relative_tip_error": target,
+        "chosen": None if best is None else _settings_of(best.case),
+        "balanced": [
+            {**_settings_of(one.case), "solver_relative": one.solver, "model_relative": one.model}
+            for one in balanced(study)
+        ],
+        "duration_s": question.instants.duration,
+        "interval_s": float(question.instants.interval),
+        "repeats": question.repeats,
+        "model": study.model or None,
+        "model_reference_error_m": _known(study.model_error),
+        "cuts": [_cut(cut) for cut in study.cuts],
+        "cases": [_case(case) for case in study.cases],
+    }
+
+
+def _settings_of(case: Case) -> dict[str, object]:
+    return {
+        "segments": case.segments,
+        "integrator": case.integrator,
+        "time_step_s": case.time_step,
+    }
+
+
+def _cut(cut: Cut) -> dict[str, object]:
+    reference = cut.reference
+    return {
+        "segments": cut.segments,
+        "joints": cut.joints,
+        "length_m": cut.length,
+        "energy_exchanged_j": cut.energy,
+        "reference": reference.kind,
+        "reference_time_step_s": reference.time_step,
+        "reference_error": dict(reference.error),
+        "reference_order": {key: _known(value) for key, value in reference.order.items()},
+        "model_error_m": None if cut.model is None else _error_of(cut.model),
+    }
+
+
+def _case(case: Case) -> dict[str, object]:
+    return {
+        **_settings_of(case),
+        "steps": case.steps,
+        "status": case.status,
+        "reason": case.reason or None,
+        "run_time_s": _known(case.run_time),
+        "order": _known(case.order),
+        "errors": {
+            quantity: None if error is None else {"unit": UNITS[quantity], **_error_of(error)}
+            for quantity, error in case.errors.items()
+        },
+    }
+
+
+def _error_of(error: Error) -> dict[str, object]:
+    return {"final": error.final, "max": error.maximum, "rms": error.rms}
+
+
+def _known(value: float) -> float | None:
+    return None if math.isnan(value) else value

@@ -1,0 +1,200 @@
+"""somo report: error against run time, measured."""
+
+import json
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from somo_cli import files, terminal
+from somo_cli.cli.door import EXIT_CODES, QuietOption, SetOption, app, ending, require
+from somo_cli.problems import ExtraMissing, InvalidFile, Problem
+
+if TYPE_CHECKING:
+    from somo_cli.analysis.instants import Instants
+    from somo_cli.analysis.study import Question, Study
+    from somo_cli.document.parse import Document
+    from somo_cli.simulation.scene import Integrator, Scene
+
+INTEGRATORS = ("implicit", "euler", "explicit")
+
+
+@app.command(epilog=EXIT_CODES)
+@ending
+def report(
+    scene: Annotated[str, typer.Argument(help="A scene, or a definition to run by itself.")],
+    duration: Annotated[
+        float, typer.Option("--duration", metavar="S", help="Simulated time in seconds.")
+    ] = 1.0,
+    time_steps: Annotated[
+        str | None,
+        typer.Option(
+            "--time-steps",
+            metavar="S,S,...",
+            help="Time steps in seconds. [default: 4, 2, 1, 1/2 and 1/4 of the scene's]",
+        ),
+    ] = None,
+    integrators: Annotated[
+        str, typer.Option("--integrators", metavar="NAME,...", help="Integrators to compare.")
+    ] = ",".join(INTEGRATORS),
+    segments: Annotated[
+        str | None,
+        typer.Option(
+            "--segments",
+            metavar="N,N,...",
+            help="Numbers of segments of every actuator, the continuum kept. [default: the "
+            "scene's]",
+        ),
+    ] = None,
+    target: Annotated[
+        float,
+        typer.Option("--target", help="Error of the tip to aim at, relative to the length."),
+    ] = 0.01,
+    repeats: Annotated[
+        int, typer.Option("--repeats", min=1, help="Runs for each median of the run time.")
+    ] = 3,
+    output: Annotated[
+        str | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="DIR",
+            help="Folder for report.csv, report.json and, with somo-cli\\[plot], report.png and "
+            "report.svg. [default: the scene's name with _report, in the current directory]",
+        ),
+    ] = None,
+    sets: SetOption = None,
+    quiet: QuietOption = False,
+) -> None:
+    """Measure error against run time, over time steps, integrators and numbers of segments.
+
+    The table on standard output ends with what to choose. Errors are those of positions, angles
+    and energy against the same scene at vanishing step, or against the closed form that the scene
+    names; run times are those of the stepping loop alone.
+    """
+    from somo_cli import loading
+    from somo_cli.analysis import account, named
+    from somo_cli.analysis.study import Question
+    from somo_cli.simulation.metadata import origin
+
+    require(0 < duration <= 1e6, "--duration", f"{duration} is not greater than 0 and at most 1e6")
+    require(0 < target < 1, "--target", f"{target} is not between 0 and 1")
+    document = loading.load(scene, sets or [])
+    planned, warnings = loading.scene_of(document)
+    terminal.say_problems(warnings, document.texts)
+    steps = _steps(time_steps, planned.time_step)
+    question = Question(
+        steps,
+        _integrators(integrators),
+        _counts(segments),
+        _instants(steps, duration),
+        repeats,
+    )
+    with _reference_of(document):
+        named.require(planned)
+        study = _studied(planned, question)
+
+    folder = Path(output or f"{Path(scene).stem}_report")
+    pictures = _pictures(study, Path(scene).stem)
+    folder.mkdir(parents=True, exist_ok=True)
+    about = {**origin(document.texts, sets or []), **account.plain(study, target)}
+    files.write_whole(str(folder / "report.json"), json.dumps(about, indent=2) + "\n")
+    files.write_whole(str(folder / "report.csv"), account.csv_text(study))
+    for kind, picture in pictures.items():
+        files.write_whole(str(folder / f"report.{kind}"), picture)
+    typer.echo(account.table(study))
+    typer.echo("")
+    for remark in account.remarks(study, target):
+        typer.echo(remark)
+    if not quiet:
+        kinds = ", ".join(f"report.{kind}" for kind in ("csv", "json", *pictures))
+        terminal.say(f"{folder}: {kinds}")
+
+
+@contextmanager
+def _reference_of(document: "Document") -> Iterator[None]:
+    """Blame the reference that a scene names for not being about that scene."""
+    from somo_cli.analysis import named
+
+    try:
+        yield
+    except named.NotTheCase as error:
+        name = document.at(("reference",))
+        message = f"this scene is not what the closed form '{name}' is about: {error}"
+        hint = "leave reference out to measure against the scene at vanishing step"
+        place = document.span(("reference",))
+        raise InvalidFile([Problem(place, message, hint)], document.texts) from error
+
+
+def _steps(text: str | None, own: float) -> tuple[float, ...]:
+    from fractions import Fraction
+
+    from somo_cli.analysis import instants
+
+    if text is None:
+        rungs = (Fraction(4), Fraction(2), Fraction(1), Fraction(1, 2), Fraction(1, 4))
+        return instants.ladder(own, rungs)
+    try:
+        steps = tuple(dict.fromkeys(float(part) for part in text.split(",")))
+    except ValueError:
+        raise typer.BadParameter(
+            f"{text!r} is not numbers with commas between them", param_hint="'--time-steps'"
+        ) from None
+    for step in steps:
+        require(0 < step <= 1, "--time-steps", f"{step} is not greater than 0 and at most 1")
+    return steps
+
+
+def _integrators(text: str) -> tuple["Integrator", ...]:
+    found: list[Integrator] = []
+    for name in dict.fromkeys(text.split(",")):
+        require(
+            name in INTEGRATORS, "--integrators", f"{name!r} is not one of {', '.join(INTEGRATORS)}"
+        )
+        found.append(name)  # type: ignore[arg-type]
+    return tuple(found)
+
+
+def _counts(text: str | None) -> tuple[int | None, ...]:
+    if text is None:
+        return (None,)
+    parts = text.split(",")
+    for part in parts:
+        is_count = part.isascii() and part.isdigit() and 0 < int(part) <= 121
+        require(is_count, "--segments", f"{part!r} is not a number of segments, 1 to 121")
+    return tuple(sorted({int(part) for part in parts}))
+
+
+def _instants(steps: Sequence[float], duration: float) -> "Instants":
+    from somo_cli.analysis import instants
+
+    try:
+        return instants.common(steps, duration)
+    except instants.NothingInCommon as error:
+        hint = "choose steps that are multiples of one another, or a longer --duration"
+        raise typer.BadParameter(f"{error}; {hint}", param_hint="'--time-steps'") from error
+
+
+def _studied(scene: "Scene", question: "Question") -> "Study":
+    from somo_cli.analysis.study import study, work
+    from somo_cli.manipulator.segments import NotUniform
+    from somo_cli.simulation.bullet import BulletWorld
+
+    try:
+        with terminal.progress(work(question), "measuring") as advance:
+            return study(scene, question, BulletWorld, time.perf_counter, advance)
+    except NotUniform as error:
+        raise typer.BadParameter(str(error), param_hint="'--segments'") from error
+
+
+def _pictures(study: "Study", title: str) -> dict[str, bytes]:
+    from somo_cli.picture import work_precision
+
+    try:
+        return work_precision.draw(study, title)
+    except ExtraMissing as error:
+        terminal.say(f"somo: {error}")
+        return {}
