@@ -117,7 +117,9 @@ def _state(runner: Runner) -> State:
     if runner.body.base != "static":
         pose = base()
         base = lambda: pose  # noqa: E731
-    return State(runner.body, law.angles.tolist(), law.rates.tolist(), law.actuation.tolist(), base)
+    return State(
+        runner.body, law.angles.tolist(), law.rates.tolist(), runner.actuation.tolist(), base
+    )
 
 
 def _centre_rates(states: Sequence[State], runners: Sequence[Runner]) -> None:
