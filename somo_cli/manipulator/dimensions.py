@@ -34,6 +34,7 @@ Velocity = Annotated[float, Dimension(length=1, time=-1)]  # m/s
 Acceleration = Annotated[float, Dimension(length=1, time=-2)]  # m/s²
 Mass = Annotated[float, Dimension(mass=1)]  # kg
 Inertia = Annotated[float, Dimension(mass=1, length=2)]  # kg·m²
+Force = Annotated[float, Dimension(mass=1, length=1, time=-2)]  # N
 Torque = Annotated[float, Dimension(mass=1, length=2, time=-2)]  # N·m
 Stiffness = Annotated[float, Dimension(mass=1, length=2, time=-2)]  # N·m/rad
 Damping = Annotated[float, Dimension(mass=1, length=2, time=-1)]  # N·m·s/rad

@@ -152,6 +152,16 @@ class BulletBody:
         felt: Array = forces[6:] - self._base_to_joints @ forces[:6]
         return felt
 
+    def in_base_axes(self, forces: Array) -> Array:
+        """Return forces as `bias` gives them; those on the base come in the world's axes.
+
+        Shape (6 + n,), of a base that can move.
+        """
+        axes = np.array(self._base_axes())
+        own = forces.copy()
+        own[:3], own[3:6] = forces[:3] @ axes, forces[3:6] @ axes
+        return own
+
     def push_base(self, wrench: Array) -> None:
         """Apply a torque and a force, shape (6,), to the base's centre of mass in the next step.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -19,11 +19,15 @@ class FreeRunner(Runner):
     the joints feel; the rest is added to its torques, and the wrench is applied to the base.
     Without it the momentum of a body in free flight would drift with the first order of the step;
     it is renewed in every step, because what holding costs would add up in the momentum.
+    Loads act in the same two parts.
     """
 
     def __init__(self, plan: Plan, body: Body, world_body: WorldBody) -> None:
         self._spin: Array = np.array(body.start.angular_velocity)
         self._previous_spin = self._spin
+        # of the loads: on the base, in its own axes, and on the joints beyond what the law knows
+        self._wrench: Array = np.zeros(6)
+        self._beyond: Array = np.zeros(len(body.chain.joints))
         super().__init__(plan, body, world_body)
 
     def begin(self, force: Array, rates: Array) -> None:
@@ -40,6 +44,25 @@ class FreeRunner(Runner):
             self._spin = np.array(self.world_body.base_velocity()[1])
 
         return pull
+
+    def _carry(self, load: Array) -> None:
+        own = self.world_body.in_base_axes(load)
+        felt = self.world_body.felt_by_joints(own)
+        np.add(self.actuation, felt, self.law.actuation)
+        self._wrench, self._beyond = own[:6], own[6:] - felt
+
+    def apply(self, torques: Sequence[float]) -> None:
+        """Apply torques of the law, and what of the loads the law cannot know."""
+        if self.loads is not None:
+            self.world_body.push_base(self._wrench)
+            torques = (self._beyond + torques).tolist()
+        self.world_body.apply(torques)
+
+    def _make_push_held(self) -> Callable[[], None]:
+        if self.loads is None:
+            return super()._make_push_held()
+        hold = self.law.make_hold()
+        return lambda: self.apply(hold())
 
     def _is_calm(self, last_correction: Array) -> bool:
         return False
@@ -58,5 +81,9 @@ class FreeRunner(Runner):
 
         torques = law.correct(world.felt_by_joints(present), felt_at)
         beyond = change[6:] - world.felt_by_joints(change)
-        world.push_base(change[:6])
+        wrench = change[:6]
+        if self.loads is not None:
+            wrench += self._wrench
+            beyond += self._beyond
+        world.push_base(wrench)
         world.apply((beyond + torques).tolist())

@@ -15,7 +15,9 @@ from somo_cli.manipulator.compile import compile_sound
 from somo_cli.manipulator.dimensions import Scale
 from somo_cli.manipulator.meaning import IsSound
 from somo_cli.problems import Pointer, Problem, has_errors, in_reading_order
+from somo_cli.simulation import load_meaning
 from somo_cli.simulation.scene import PLACES_OF_FILES, name_of, per_joint
+from somo_cli.simulation.waypoint_meaning import waypoint_faults
 
 
 def faults(document: Document) -> tuple[Problem, ...]:
@@ -132,6 +134,12 @@ def _manipulator_faults(
         if isinstance(entry, Mapping) and is_sound(place):
             yield from _torque_faults(document, place, entry)
     is_compilable = is_sound((*at, "definition")) and "definition" in data
+    loads = data.get("loads")
+    loads = loads if isinstance(loads, list) else []
+    for number, entry in enumerate(loads):
+        place = (*at, "loads", number)
+        if isinstance(entry, Mapping) and is_sound(place):
+            yield from load_meaning.faults(document, place, entry, str(base))
     if is_compilable and not has_errors(of_definition):
         compiled = compile_sound(document, (*at, "definition"), ())
         if not compiled.chain.joints:
@@ -142,6 +150,10 @@ def _manipulator_faults(
         yield from _start_faults(document, at, data, compiled.chain, is_sound)
         if is_sound((*at, "actuation")):
             yield from _reference_faults(document, (*at, "actuation"), entries, compiled.chain)
+        for number, entry in enumerate(loads):
+            place = (*at, "loads", number)
+            if is_sound(place):
+                yield from load_meaning.faults_of_link(document, place, entry, compiled.chain)
 
 
 def _torque_faults(document: Document, at: Pointer, data: Mapping[str, Any]) -> Iterator[Problem]:
@@ -164,41 +176,7 @@ def _torque_faults(document: Document, at: Pointer, data: Mapping[str, Any]) -> 
                     "leave it out, or give waypoints in place of torque",
                 )
         return
-    points = data["waypoints"]
-    for number in range(1, len(points)):
-        if points[number][0] <= points[number - 1][0]:
-            yield Problem(
-                document.span((*at, "waypoints", number)),
-                f"time {points[number][0]} s does not come after {points[number - 1][0]} s",
-                "way-points are [time, torque], and each has a later time than the one before",
-            )
-    if data.get("repeat"):
-        yield from _repeat_faults(document, at, data, points)
-
-
-def _repeat_faults(
-    document: Document, at: Pointer, data: Mapping[str, Any], points: list[Any]
-) -> Iterator[Problem]:
-    first, last = (*at, "waypoints", 0), (*at, "waypoints", len(points) - 1)
-    if points[0][0] < 0:
-        message = f"repeated way-points start at time {points[0][0]} s, before 0"
-        yield Problem(document.span(first), message, "start at time 0 or later")
-    if points[-1][0] <= 0:
-        message = f"repeated way-points have a period of {points[-1][0]} s"
-        hint = "the time of the last way-point is the period"
-        yield Problem(document.span(last), message, hint)
-    if data.get("interpolation") != "cubic":
-        return
-    if points[0][0] > 0:
-        message = f"a repeated cubic starts at time 0, not {points[0][0]} s"
-        yield Problem(document.span(first), message, "add a way-point at time 0")
-    if points[0][1] != points[-1][1]:
-        yield Problem(
-            document.span(last),
-            f"a repeated cubic ends at the torque it starts with, {points[0][1]} N·m, "
-            f"not {points[-1][1]} N·m",
-            f"end with [{points[-1][0]}, {points[0][1]}], or use interpolation: linear",
-        )
+    yield from waypoint_faults(document, at, data, "torque", " N·m")
 
 
 def _start_faults(

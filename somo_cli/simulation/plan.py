@@ -16,8 +16,18 @@ from somo_cli.manipulator.dimensions import (
     Velocity,
     scaled,
 )
+from somo_cli.manipulator.geometry import Vector
 from somo_cli.simulation import signal
-from somo_cli.simulation.scene import Actuation, Base, Integrator, Manipulator, Quantity, Scene
+from somo_cli.simulation.scene import (
+    Actuation,
+    Base,
+    Frame,
+    Integrator,
+    Manipulator,
+    Quantity,
+    Scene,
+)
+from somo_cli.simulation.scene import Load as LoadOfScene
 from somo_cli.simulation.signal import Signal
 
 TORQUE = Dimension(mass=1, length=2, time=-2)
@@ -30,6 +40,21 @@ class Drive:
     actuator: int
     axis: int
     joints: tuple[int, ...]
+    signal: Signal
+
+
+@dataclass(frozen=True, slots=True)
+class Load:
+    """A force and a moment on one link of a body [engine units], times a factor over time.
+
+    `link` counts the links of the chain; point and frame are as in the scene.
+    """
+
+    link: int
+    point: Vector
+    force: Vector
+    moment: Vector
+    frame: Frame
     signal: Signal
 
 
@@ -59,6 +84,7 @@ class Body:
     urdf: str
     start: Start
     drives: tuple[Drive, ...]
+    loads: tuple[Load, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,6 +133,7 @@ def _body(manipulator: Manipulator, scale: Scale, can_touch: bool) -> Body:
         urdf=urdf.render_for_engine(chain, with_collisions=can_touch),
         start=scaled(start, scale),
         drives=tuple(_drive(entry, chain, scale) for entry in manipulator.actuation),
+        loads=tuple(_load(scaled(entry, scale)) for entry in manipulator.loads),
     )
 
 
@@ -124,3 +151,8 @@ def _drive(actuation: Actuation, chain: Chain, scale: Scale) -> Drive:
         joints,
         signal.through(waypoints, actuation.interpolation, actuation.repeat),
     )
+
+
+def _load(load: LoadOfScene) -> Load:
+    factor = signal.through(load.waypoints, load.interpolation, load.repeat)
+    return Load(load.link, load.point, load.force, load.moment, load.frame, factor)

@@ -125,7 +125,7 @@ def _state(plan: Plan, runner: Runner) -> State:
         runner.body,
         law.angles.tolist(),
         law.rates.tolist(),
-        law.actuation.tolist(),
+        runner.actuation.tolist(),
         base,
         velocity,
         plan.gravity,

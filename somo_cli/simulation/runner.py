@@ -1,4 +1,4 @@
-"""One body in motion: its law, its actuation and its energy."""
+"""One body in motion: its law, what acts on it and its energy."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import numpy as np
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.simulation.dynamics import ChainDynamics
+from somo_cli.simulation.loads import BodyLoads
 from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.springs import Array, SpringLaw, Springs
 from somo_cli.simulation.watch import BodyEnergy
@@ -39,6 +40,9 @@ class Runner:
         self.body = body
         self.world_body = world_body
         self.law = SpringLaw(springs, plan.time_step, plan.integrator)
+        self.loads = BodyLoads(body, world_body.base_pose) if body.loads else None
+        self.actuation: Array = np.zeros(len(joints)) if body.loads else self.law.actuation
+        """Torques of the actuation alone; to the law, loads are actuation too."""
         self.energy = BodyEnergy(body, springs, plan.gravity)
         self.mass: Array = np.zeros((0, 0))
         self.mass_at_start: Array = self.mass
@@ -54,7 +58,6 @@ class Runner:
         self._drives = [(drive.signal.at, _as_slice(drive.joints)) for drive in body.drives]
         self._dynamics: ChainDynamics | None = None
         self.pull = self._make_pull()
-        self.actuate(0.0)
 
     def dynamics(self) -> ChainDynamics:
         """Return the body's chain as arrays; made when first asked for."""
@@ -63,16 +66,27 @@ class Runner:
         return self._dynamics
 
     def actuate(self, time: float) -> None:
-        """Set the actuation torques of a time [s]."""
-        actuation = self.law.actuation
+        """Set the actuation torques of a time [s], and the loads at the present pose."""
+        actuation = self.actuation
         for at, joints in self._drives:
             actuation[joints] = at(time)
+        if self.loads is not None:
+            self._carry(self.loads.force(time, self.law.angles))
+
+    def _carry(self, load: Array) -> None:
+        """Tell the law of a generalised force of loads, shape (6 + n,)."""
+        np.add(self.actuation, load[6:], self.law.actuation)
 
     def steady_until(self, time: float) -> float:
-        """Return the time [s] up to which the actuation stays what it is at `time`."""
-        return min(
-            (drive.signal.steady_until(time) for drive in self.body.drives), default=math.inf
-        )
+        """Return the time [s] up to which `actuate` changes nothing after `time`."""
+        changes = [drive.signal.steady_until(time) for drive in self.body.drives]
+        if self.loads is not None:
+            changes.append(self.loads.steady_until(time))
+        return min(changes, default=math.inf)
+
+    def apply(self, torques: Sequence[float]) -> None:
+        """Apply torques of the law to the world, and what it takes for the loads to be whole."""
+        self.world_body.apply(torques)
 
     @property
     def rates(self) -> Array:
@@ -149,7 +163,9 @@ class Runner:
         self.fastest = max(max(rates), -min(rates)) if math.isfinite(sum(rates)) else math.nan
         if math.isnan(self.fastest):
             return  # the watch stops the run; there is no energy to tell
-        energy.update(law.angles, law.rates, law.actuation, self.mass)
+        if self.loads is not None:
+            energy.give(self.loads.work(law.angles))
+        energy.update(law.angles, law.rates, self.actuation, self.mass)
         if self.body.base == "free":
             start = self.body.start.position
             moved = geometry.subtract(self.world_body.base_pose().position, start)

@@ -6,16 +6,19 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from somo_cli.document.parse import Document
+from somo_cli.manipulator import geometry
 from somo_cli.manipulator import read as manipulator_read
+from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.compile import PLACES_OF_FILES as PLACES_IN_DEFINITION
 from somo_cli.manipulator.compile import Compiled, compile_sound
-from somo_cli.manipulator.dimensions import Scale
+from somo_cli.manipulator.dimensions import Force, Number, Position, Scale, Time, Torque
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.problems import Pointer
 from somo_cli.simulation.signal import Interpolation
 
 Integrator = Literal["implicit", "euler", "explicit"]
 Base = Literal["static", "free", "constrained"]
+Frame = Literal["world", "body"]
 Quantity = Literal[
     "joint_angles",
     "joint_rates",
@@ -61,8 +64,26 @@ class Actuation:
 
 
 @dataclass(frozen=True, slots=True)
+class Load:
+    """A force and a moment on one link, 0 the base, times a factor over time.
+
+    `point`, where the force acts, is in the link's frame. Force and moment are in the world's axes
+    or, if `frame` is "body", in those of the link, with which they turn.
+    """
+
+    link: int
+    point: Position
+    force: tuple[Force, Force, Force]
+    moment: tuple[Torque, Torque, Torque]
+    frame: Frame
+    waypoints: tuple[tuple[Time, Number], ...]
+    interpolation: Interpolation
+    repeat: bool
+
+
+@dataclass(frozen=True, slots=True)
 class Manipulator:
-    """A compiled definition, where it stands [m, rad], how it starts [rad/s, m/s], what drives it.
+    """A compiled definition, where it stands [m, rad], how it starts [rad/s, m/s], what acts on it.
 
     Position and velocities are those of the base frame's origin, in the world frame.
     """
@@ -77,6 +98,7 @@ class Manipulator:
     linear_velocity: Vector
     angular_velocity: Vector
     actuation: tuple[Actuation, ...]
+    loads: tuple[Load, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,6 +172,7 @@ def _manipulator(document: Document, index: int, data: Any) -> Manipulator:
         linear_velocity=_vector(data.get("linear_velocity", (0, 0, 0))),
         angular_velocity=_vector(data.get("angular_velocity", (0, 0, 0))),
         actuation=tuple(_actuation(item) for item in data.get("actuation", ())),
+        loads=tuple(_load(item, compiled.chain) for item in data.get("loads", ())),
     )
 
 
@@ -175,6 +198,33 @@ def _actuation(data: Any) -> Actuation:
         interpolation=data.get("interpolation", "linear"),
         repeat=bool(data.get("repeat", False)),
     )
+
+
+def _load(data: Any, chain: Chain) -> Load:
+    link = data.get("link", "tip")
+    point = _vector(data.get("point", (0, 0, 0)))
+    if link == "tip":
+        point = geometry.add(chain.tip, point)
+    waypoints = data.get("waypoints", ((0, 1),))
+    return Load(
+        link=link_index(link, chain),
+        point=point,
+        force=_vector(data.get("force", (0, 0, 0))),
+        moment=_vector(data.get("moment", (0, 0, 0))),
+        frame=data.get("frame", "world"),
+        waypoints=tuple((float(time), float(factor)) for time, factor in waypoints),
+        interpolation=data.get("interpolation", "linear"),
+        repeat=bool(data.get("repeat", False)),
+    )
+
+
+def link_index(name: str, chain: Chain) -> int:
+    """Return the place in a chain of the link of this name, the last for `tip`.
+
+    Raises ValueError if there is none.
+    """
+    names = [link.name for link in chain.links]
+    return len(names) - 1 if name == "tip" else names.index(name)
 
 
 def _vector(values: Any) -> Vector:

@@ -24,6 +24,7 @@ def begin(plan: Plan, world: World, runners: Sequence[Runner]) -> None:
         runner.pull()
         runner.refresh()
         runner.mass_at_start = runner.mass
+        runner.actuate(0.0)
     if plan.integrator == "explicit":
         return
     bases = [runner.world_body.base_velocity() for runner in runners]
@@ -53,7 +54,7 @@ def _step_back_half(
     for runner, force in zip(runners, forces, strict=True):
         acceleration = runner.law.acceleration(runner.mass, force)
         torques = runner.mass @ acceleration - force
-        runner.world_body.apply(torques.tolist())
+        runner.apply(torques.tolist())
         accelerations.append(acceleration)
     world.step()
     for runner, acceleration, base in zip(runners, accelerations, bases, strict=True):

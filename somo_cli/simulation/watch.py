@@ -21,8 +21,8 @@ SMALL_ANGLE = 1e-3  # rad; deflections below it are never called divergence
 class BodyEnergy:
     """The energy of one body's joints and springs, and the most it may be; engine units.
 
-    The bound is the energy at the start, the work of the actuation, and what gravity can give at
-    most, with everything stretched out and falling over once. `floor` is an energy too small to
+    The bound is the energy at the start, the work of actuation and loads, and what gravity can give
+    at most, with everything stretched out and falling over once. `floor` is an energy too small to
     speak of: every spring deflected by a small angle.
     """
 
@@ -60,6 +60,10 @@ class BodyEnergy:
             self._has_begun = True
         self._angles[:] = angles
         self._actuation[:] = actuation
+
+    def give(self, work: float) -> None:
+        """Add work of external loads, on base and joints; `update` comes next."""
+        self._work += work
 
     def let_base_fall(self, distance: float) -> None:
         """Allow for what gravity can give when the base has moved this far."""

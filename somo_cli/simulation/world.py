@@ -30,6 +30,9 @@ class WorldBody(Protocol):
     def felt_by_joints(self, forces: Array) -> Array:
         """Return the joint torques that accelerate the joints as these forces do, shape (n,)."""
 
+    def in_base_axes(self, forces: Array) -> Array:
+        """Return forces, shape (6 + n,), in the world's axes on the base, in the base's own."""
+
     def push_base(self, wrench: Array) -> None:
         """Apply a torque and a force to the base during the next step, in its own axes."""
 

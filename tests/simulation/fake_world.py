@@ -76,6 +76,9 @@ class FakeBody:
     def felt_by_joints(self, forces: np.ndarray) -> np.ndarray:
         return forces
 
+    def in_base_axes(self, forces: np.ndarray) -> np.ndarray:
+        raise AssertionError("a base that cannot move has no axes of interest")
+
     def push_base(self, wrench: np.ndarray) -> None:
         raise AssertionError("a base that cannot move is not pushed")
 

@@ -150,6 +150,37 @@ def test_what_is_driven_exists() -> None:
     ]
 
 
+def test_a_load_is_on_a_link_and_does_something() -> None:
+    push = {"force": [1, 0, 0]}
+    found = told(
+        loads=[
+            {**push, "link": "tip"},
+            {**push, "link": "actuator_0_segment_02"},
+            {**push, "link": "actuator_0_segment_2"},
+            {"link": "actuator_1_segment_01"},
+            {**push, "link": "base"},
+            {"force": [0, 0, 0], "moment": [0, 0, 0]},
+            {"moment": [0, 0, 1], "waypoints": [[0, 0], [1, -1]]},
+        ]
+    )
+    assert [message for _, message in found] == [
+        "there is no link 'actuator_0_segment_2'",
+        "missing force or moment",
+        "a load on the base does nothing, because the base is static",
+        "this load is zero at all times",
+    ]
+    assert told(loads=[{**push, "link": "base"}], base="free") == []
+
+
+def test_way_points_of_a_load_are_judged_like_those_of_a_torque() -> None:
+    points = {"waypoints": [[0, 1], [0, 1], [2, 0.5]], "interpolation": "cubic", "repeat": True}
+    messages = [message for _, message in told(loads=[{"force": [1, 0, 0], **points}])]
+    assert messages == [
+        "time 0 s does not come after 0 s",
+        "a repeated cubic ends at the factor it starts with, 1, not 0.5",
+    ]
+
+
 def test_names_are_unique() -> None:
     message = "two manipulators are called 'body'"
     twice = [{"definition": BODY}, {"definition": BODY}]
@@ -204,10 +235,15 @@ def test_all_faults_come_at_once_and_in_reading_order() -> None:
         ("manipulators", 0),
         *(
             ("manipulators", 0, key)
-            for key in ("definition", "name", "base", "initial_angles", "actuation", "rpy")
+            for key in ("definition", "name", "base", "initial_angles", "actuation", "loads", "rpy")
         ),
         ("manipulators", 0, "actuation", 0),
         ("manipulators", 0, "actuation", 0, "waypoints"),
+        ("manipulators", 0, "loads", 0),
+        *(
+            ("manipulators", 0, "loads", 0, key)
+            for key in ("link", "point", "force", "moment", "frame", "waypoints", "repeat")
+        ),
         ("manipulators", 0, "definition", "actuator_definitions"),
         ("manipulators", 0, "definition", "world_scale"),
         ("record",),
@@ -220,6 +256,18 @@ def test_no_value_at_all_makes_it_stumble(place: tuple[str | int, ...], value: o
             {
                 "definition": BODY,
                 "actuation": [{"actuator": 0, "axis": 0, "waypoints": [[0, 1], [1, 2]]}],
+                "loads": [
+                    {
+                        "link": "base",
+                        "point": [0, 0, 1],
+                        "force": [1, 0, 0],
+                        "moment": [0, 1, 0],
+                        "frame": "body",
+                        "waypoints": [[0, 1], [1, 1]],
+                        "interpolation": "cubic",
+                        "repeat": True,
+                    }
+                ],
             },
             {"definition": BODY, "name": "other"},
         ]

@@ -27,6 +27,16 @@ ONE = {
     "initial_angles": 0.25,
     "initial_rates": 0.5,
     "actuation": [{"actuator": 0, "axis": 0, "waypoints": [[0, 1], [2, 3]]}],
+    "loads": [
+        {
+            "link": "base",
+            "point": [1, 2, 3],
+            "force": [4, 5, 6],
+            "moment": [7, 8, 9],
+            "frame": "body",
+            "waypoints": [[0, 1], [2, 3]],
+        }
+    ],
 }
 
 
@@ -56,6 +66,12 @@ def test_everything_is_scaled_by_its_dimension(length: float, mass: float) -> No
     assert found.gravity == pytest.approx([length * value for value in si.gravity])
     body, of_si = found.bodies[0], si.bodies[0]
     start = body.start
+    (load,) = body.loads
+    force, torque = mass * length, mass * length**2
+    assert load.point == pytest.approx((length, 2 * length, 3 * length))
+    assert load.force == pytest.approx((4 * force, 5 * force, 6 * force))
+    assert load.moment == pytest.approx((7 * torque, 8 * torque, 9 * torque))
+    assert (load.link, load.frame, load.signal.at(1.0)) == (0, "body", 2.0)
     assert start.position == pytest.approx((length, 2 * length, 3 * length))
     assert start.linear_velocity == pytest.approx((4 * length, 5 * length, 6 * length))
     assert start.rpy == of_si.start.rpy

@@ -149,5 +149,6 @@ def test_a_drive_reaches_its_joints_however_they_are_spaced(joints: tuple[int, .
     drive = dataclasses.replace(plan.bodies[0].drives[0], joints=joints)
     body = dataclasses.replace(plan.bodies[0], drives=(drive,))
     runner = Runner(plan, body, FakeWorld(plan).bodies[0])
+    runner.actuate(0.0)
     expected = [1.0 if index in joints else 0.0 for index in range(6)]
     assert runner.law.actuation.tolist() == expected

@@ -11,7 +11,7 @@ import pytest
 from somo_cli.document.parse import parse
 from somo_cli.manipulator.dimensions import Scale
 from somo_cli.simulation import scene
-from somo_cli.simulation.scene import Actuation, Scene
+from somo_cli.simulation.scene import Actuation, Load, Scene
 from tests.loading import DEFINITIONS, scene_from_text
 from tests.manipulator.bodies import X, Y, actuator, manipulator
 
@@ -52,6 +52,7 @@ def test_what_is_assumed() -> None:
         "linear_velocity": (0.0, 0.0, 0.0),
         "angular_velocity": (0.0, 0.0, 0.0),
         "actuation": (),
+        "loads": (),
     }
 
 
@@ -102,6 +103,34 @@ def test_everything_said() -> None:
         Actuation(0, 1, ((0.0, 2.0),), "linear", False),
         Actuation(0, 0, ((0.0, 1.0), (2.0, 1.0)), "cubic", True),
     )
+
+
+def test_loads_are_on_links_of_the_chain() -> None:
+    one = with_one(
+        loads=[
+            {"force": [1, 2, 3], "point": [0, 0, 4]},
+            {
+                "link": "actuator_0_segment_01",
+                "point": [4, 5, 6],
+                "force": [1, 1, 1],
+                "moment": [7, 8, 9],
+                "frame": "body",
+                "waypoints": [[0, 1], [2, 3]],
+                "interpolation": "step",
+                "repeat": True,
+            },
+            {"link": "base", "force": [1, 0, 0]},
+        ]
+    ).manipulators[0]
+    x, y, z = one.compiled.chain.tip
+    nothing = (0.0, 0.0, 0.0)
+    assert one.loads == (
+        Load(2, (x, y, z + 4), (1, 2, 3), nothing, "world", ((0.0, 1.0),), "linear", False),
+        Load(1, (4, 5, 6), (1, 1, 1), (7, 8, 9), "body", ((0, 1), (2, 3)), "step", True),
+        Load(0, nothing, (1, 0, 0), nothing, "world", ((0, 1),), "linear", False),
+    )
+    with pytest.raises(ValueError, match="elbow"):
+        scene.link_index("elbow", one.compiled.chain)
 
 
 def test_whole_numbers_become_floats() -> None:
