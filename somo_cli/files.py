@@ -9,6 +9,7 @@ import secrets
 import shutil
 import stat
 import sys
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -110,6 +111,13 @@ def open_standard_streams() -> None:
         if getattr(sys, name) is None:
             stream = Path(os.devnull).open(mode, encoding="utf-8")  # noqa: SIM115  # for good
             setattr(sys, name, stream)
+
+
+@contextmanager
+def spool() -> Iterator[BinaryIO]:
+    """Give a nameless file to write to and read from, which is gone afterwards. Raises OSError."""
+    with tempfile.TemporaryFile() as stream:
+        yield stream
 
 
 @contextmanager

@@ -41,6 +41,11 @@ def say(message: str) -> None:
     _write([("", _escaped(message))])
 
 
+def say_lines(lines: Iterable[str]) -> None:
+    """Write lines to standard error."""
+    _write([("", _escaped(line)) for line in lines])
+
+
 @contextmanager
 def progress(total: int, description: str) -> Iterator[Callable[[int], None]]:
     """Show how much of the total is done, on a terminal; elsewhere do nothing.

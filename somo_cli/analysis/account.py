@@ -113,7 +113,7 @@ def _settings(case: Case, cut: Cut) -> str:
 
 def _speed(one: Choice) -> str:
     factor = one.case.steps * one.case.time_step / one.case.run_time
-    return f"{factor:.2g}x real time"
+    return f"{float(f'{factor:.2g}'):g}x real time"
 
 
 def _percent(share: float) -> str:

@@ -62,7 +62,7 @@ def report(
             "--output",
             "-o",
             metavar="DIR",
-            help="Folder for report.csv, report.json and, with somo-cli\\[plot], report.png and "
+            help="Folder for report.csv, report.json and, with somo-cli[plot], report.png and "
             "report.svg. [default: the scene's name with _report, in the current directory]",
         ),
     ] = None,

@@ -3,6 +3,7 @@
 import json
 import time
 from collections.abc import Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -21,7 +22,11 @@ from somo_cli.cli.door import (
 from somo_cli.problems import SimulationDiverged
 
 if TYPE_CHECKING:
+    from somo_cli.analysis.half_step import Estimate
     from somo_cli.document.parse import Document
+    from somo_cli.simulation.plan import Plan
+    from somo_cli.simulation.recorder import RowSpool
+    from somo_cli.simulation.run import Summary
     from somo_cli.simulation.scene import Scene
 
 
@@ -47,6 +52,13 @@ def run(
         float | None,
         typer.Option("--time-step", metavar="S", help="Time step in seconds."),
     ] = None,
+    with_error: Annotated[
+        bool,
+        typer.Option(
+            "--error",
+            help="Run again at half the step, and say the estimated error of every column.",
+        ),
+    ] = False,
     sets: SetOption = None,
     quiet: QuietOption = False,
 ) -> None:
@@ -63,7 +75,7 @@ def run(
     terminal.say_problems(warnings, document.texts)
     target = output or f"{Path(scene).stem}.csv"
     refuse_overwriting(document, target)
-    _simulate(planned, document, steps, target, sets or [], quiet)
+    _simulate(planned, document, steps, target, sets or [], with_error, quiet)
 
 
 def _simulate(
@@ -72,31 +84,27 @@ def _simulate(
     steps: int,
     output: str,
     sets: Sequence[str],
+    with_error: bool,
     quiet: bool,
 ) -> None:
     from somo_cli.simulation import columns
-    from somo_cli.simulation.bullet import BulletWorld
     from somo_cli.simulation.metadata import metadata
     from somo_cli.simulation.plan import make_plan
-    from somo_cli.simulation.recorder import CsvRecorder
-    from somo_cli.simulation.run import run as simulate
+    from somo_cli.simulation.recorder import RowSpool
 
     plan = make_plan(scene)
     names = columns.header(plan)
-    try:
-        # the output comes first: the world takes standard output away from the engine
-        with (
-            files.partial(output) as stream,
-            BulletWorld(plan) as world,
-            terminal.progress(steps, "simulating") as advance,
-        ):
-            recorder = CsvRecorder(stream, names, flush_rows=output == "-")
-            summary = simulate(plan, world, recorder.write, steps, time.perf_counter, advance)
-    except (SimulationDiverged, KeyboardInterrupt):
-        if output != "-" and Path(f"{output}.partial").exists():
-            terminal.say(f"somo: the rows so far are in {output}.partial")
-        raise
-    about = metadata(plan, summary, document.texts, sets, names)
+    with files.spool() if with_error else nullcontext() as kept:
+        spool = None if kept is None else RowSpool(kept, len(names))
+        summary = _recorded(plan, steps, output, names, spool)
+        about = metadata(plan, summary, document.texts, sets, names)
+        told, failure = None, None
+        if spool is not None:
+            try:
+                told = _estimated(plan, spool, steps)
+                about["error"] = _plain(told, names[1:])
+            except SimulationDiverged as error:
+                about["error"], failure = None, error
     if output != "-" and not files.is_direct(output):
         files.write_whole(_beside(output), json.dumps(about, indent=2) + "\n")
     if not quiet:
@@ -106,6 +114,66 @@ def _simulate(
             f"{steps * plan.time_step:g} s in {summary.wall_time:.3g} s, "
             f"{about['steps_per_second'] or 0:.0f} steps per second"
         )
+    if told is not None:
+        terminal.say_lines(_table(told, names[1:]))
+    if failure is not None:
+        terminal.say("somo: there is no estimate of the error: at half the step")
+        raise failure
+
+
+def _recorded(
+    plan: "Plan", steps: int, output: str, names: Sequence[str], spool: "RowSpool | None"
+) -> "Summary":
+    from somo_cli.simulation.bullet import BulletWorld
+    from somo_cli.simulation.recorder import CsvRecorder
+    from somo_cli.simulation.run import run as simulate
+
+    try:
+        # the output comes first: the world takes standard output away from the engine
+        with (
+            files.partial(output) as stream,
+            BulletWorld(plan) as world,
+            terminal.progress(steps, "simulating") as advance,
+        ):
+            recorder = CsvRecorder(stream, names, flush_rows=output == "-")
+            write = recorder.write if spool is None else spool.onward_to(recorder.write)
+            return simulate(plan, world, write, steps, time.perf_counter, advance)
+    except (SimulationDiverged, KeyboardInterrupt):
+        if output != "-" and Path(f"{output}.partial").exists():
+            terminal.say(f"somo: the rows so far are in {output}.partial")
+        raise
+
+
+def _estimated(plan: "Plan", spool: "RowSpool", steps: int) -> "Estimate":
+    from somo_cli.analysis.half_step import estimate
+    from somo_cli.simulation.bullet import BulletWorld
+
+    with terminal.progress(2 * steps, "at half the step") as advance:
+        return estimate(plan, spool.rows(), steps, BulletWorld, time.perf_counter, advance)
+
+
+def _plain(told: "Estimate", names: Sequence[str]) -> dict[str, object]:
+    return {
+        "method": "the same scene at half the step",
+        "order": told.order,
+        "run_time_s": told.run_time,
+        "columns": {
+            name: {"final": error.final, "max": error.maximum, "rms": error.rms}
+            for name, error in zip(names, told.errors, strict=True)
+        },
+    }
+
+
+def _table(told: "Estimate", names: Sequence[str]) -> list[str]:
+    width = max(map(len, names), default=0)
+    return [
+        f"estimated error, by the same scene at half the step ({told.run_time:.3g} s more):",
+        f"  {'':{width}}  {'final':>8}  {'max':>8}  {'rms':>8}",
+        *(
+            f"  {name:{width}}  {error.final:8.1e}  {error.maximum:8.1e}  {error.rms:8.1e}"
+            for name, error in zip(names, told.errors, strict=True)
+        ),
+    ]
 
 
 def _beside(output: str) -> str:

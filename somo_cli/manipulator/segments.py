@@ -85,10 +85,12 @@ def _cut_link(link: LinkDefinition, share: float, index: int) -> LinkDefinition:
 
 
 def _cut_joint(joint: JointDefinition, share: float) -> JointDefinition:
+    # a joint without limits has lower > upper, and other readers know just one such pair
+    limit = share if joint.lower <= joint.upper else 1.0
     return replace(
         joint,
-        lower=joint.lower * share,
-        upper=joint.upper * share,
+        lower=joint.lower * limit,
+        upper=joint.upper * limit,
         velocity=joint.velocity * share,
         stiffness=joint.stiffness / share,
         damping=joint.damping / share,

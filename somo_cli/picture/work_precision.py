@@ -49,6 +49,7 @@ def _figure(study: Study, title: str) -> Any:
                 fontsize=7,
                 color="0.35",
             )
+    axes.margins(x=0.15)  # room for the labels
     duration = study.question.instants.duration
     low, high = axes.get_xlim()
     if low < duration < high:

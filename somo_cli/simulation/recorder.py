@@ -1,9 +1,10 @@
-"""Rows to CSV as they come; never holds more than one row."""
+"""Rows to CSV as they come, and rows kept to be read again; never more than one in memory."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import TextIO
+from array import array
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import BinaryIO, TextIO
 
 
 class CsvRecorder:
@@ -29,3 +30,30 @@ class CsvRecorder:
         self._stream.write(",".join(cells) + "\n")
         if self._flush_rows:
             self._stream.flush()
+
+
+class RowSpool:
+    """Keeps rows of so many numbers in a binary stream, from which they are read again."""
+
+    def __init__(self, stream: BinaryIO, width: int) -> None:
+        self._stream = stream
+        self._width = width
+
+    def onward_to(
+        self, write: Callable[[Iterable[float]], None]
+    ) -> Callable[[Iterable[float]], None]:
+        """Return a function that keeps a row and passes it on."""
+
+        def keep(values: Iterable[float]) -> None:
+            row = array("d", values)
+            self._stream.write(row.tobytes())
+            write(row)
+
+        return keep
+
+    def rows(self) -> Iterator[Sequence[float]]:
+        """Yield every row kept, from the first."""
+        self._stream.seek(0)
+        size = self._width * array("d").itemsize
+        while content := self._stream.read(size):
+            yield array("d", content)
