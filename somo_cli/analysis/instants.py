@@ -9,6 +9,7 @@ from fractions import Fraction
 
 WANTED = 50  # instants in a run: enough for a maximum over time, few enough to cost nothing
 FEWEST = 10
+SIMPLE = 10**7  # the largest denominator of a simple fraction
 
 
 class NothingInCommon(ValueError):
@@ -35,8 +36,9 @@ class Instants:
 
 
 def exact(time_step: float) -> Fraction:
-    """Return a time step as the decimal that a person wrote, or half or quarter of one."""
-    return Fraction(repr(time_step))
+    """Return a time step as the simplest fraction that it can mean: 1/1000, or 1/240."""
+    simple = Fraction(time_step).limit_denominator(SIMPLE)
+    return simple if float(simple) == time_step else Fraction(repr(time_step))
 
 
 def common(time_steps: Sequence[float], duration: float) -> Instants:

@@ -103,7 +103,7 @@ def beam_tip(scene: Scene, reference: Reference) -> BeamTip:
     last = tips[-max(2, len(tips) // 10) :]
     moved = float(np.linalg.norm(last - last[-1], axis=1).max())
     apart = float(np.linalg.norm(tips[-1] - beam.place(tip)))
-    return BeamTip(apart, own_error + moved + reference.error["tip_position"])
+    return BeamTip(apart, own_error + moved + reference.final_error["tip_position"])
 
 
 def _the_one(scene: Scene) -> Manipulator:

@@ -17,6 +17,7 @@ from somo_cli.simulation.scene import Quantity
 from somo_cli.simulation.springs import Array
 
 ORDERS = (0.75, 2.75)  # observed orders that can be believed of a method or a chain of order 1 or 2
+NEAR = 0.25  # to a whole number: the order is that number, the rest is of terms that follow
 ATTEMPTS = 4
 ROUNDING = 1e-14  # of the largest value: no difference of runs means anything below
 
@@ -25,15 +26,23 @@ Recorded: TypeAlias = Callable[[float], Array]
 
 
 @dataclass(frozen=True, slots=True)
-class Reference:
+class Limit:
     """Rows at the common instants, with the error [unit] and observed order of each quantity.
 
-    The error is an estimate from above; the order is not a number where none could be seen.
+    The error is an estimate from above, at its worst and at the end; the order is not a number
+    where none could be seen.
     """
 
     rows: Array
     error: dict[Quantity, float]
+    final_error: dict[Quantity, float]
     order: dict[Quantity, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Reference(Limit):
+    """What a scene converges to, the finest step [s] of the runs behind it, and its kind."""
+
     time_step: float
     kind: str = "self-converged"
 
@@ -51,39 +60,50 @@ def converged(plan: Plan, time_step: float, recorded: Recorded) -> Reference:
             if attempt == ATTEMPTS - 1:
                 raise
             continue
-        rows, error, order = extrapolated(plan, levels, 2.0)
-        return Reference(rows, error, order, step / 4)
+        limit = extrapolated(plan, levels, 2.0)
+        return Reference(limit.rows, limit.error, limit.final_error, limit.order, step / 4)
     raise AssertionError("the last attempt returns or raises")
 
 
-def extrapolated(
-    plan: Plan, levels: Sequence[Array], ratio: float
-) -> tuple[Array, dict[Quantity, float], dict[Quantity, float]]:
-    """Return Richardson's limit of three levels, coarse to fine, its error and the orders.
+def extrapolated(plan: Plan, levels: Sequence[Array], ratio: float) -> Limit:
+    """Return Richardson's limit of three levels, coarse to fine, with its error and the orders.
 
-    With p the order observed in a quantity and r the ratio of the steps, the limit is
-    y3 + (y3 - y2) / (r^p - 1), and its error at most what it changed by from the coarser pair to
-    the finer one. Where no order can be seen the finest level stands, with the last change for
-    its error: Roache, J. Fluids Eng. 116 (1994) 405.
+    With p the order observed in a quantity, or the whole number it is near to, and r the ratio of
+    the steps, the limit is y3 + (y3 - y2) / (r^p - 1). For its error stands what the limit changed
+    by from the coarser pair to the finer one, divided by r^p - 1 as well, since the rest falls no
+    slower; and, as pairs agree by themselves where p was taken from them, what another p would
+    change. Where no order can be seen the finest level stands, with the last change for its
+    error: Roache, J. Fluids Eng. 116 (1994) 405.
     """
     first, second, third = (_on_one_side(plan, level, levels[2]) for level in levels)
     before, after = profiles(plan, first, second), profiles(plan, second, third)
-    orders = {
+    seen = {
         quantity: _order(float(before[quantity].max()), float(after[quantity].max()), ratio)
         for quantity in after
     }
-    factor = np.zeros(third.shape[1])
+    factor, apart = np.zeros((2, third.shape[1]))
     for group in columns.groups(plan):
-        order = orders[group.quantity]
+        part = slice(group.first, group.last)
+        order = seen[group.quantity]
         if ORDERS[0] <= order <= ORDERS[1]:
-            factor[group.first : group.last] = 1 / (ratio**order - 1)
+            near = round(order)
+            used = near if abs(order - near) <= NEAR else order
+            factor[part] = 1 / (ratio**used - 1)
+            apart[part] = abs(1 / (ratio**order - 1) - 1 / (ratio**near - 1))
     rows = third + factor * (third - second)
-    change = profiles(plan, rows, second + factor * (second - first))
-    errors = {quantity: float(profile.max()) for quantity, profile in change.items()}
+    coarser = second + factor * (second - first)
+    # rows that are off by what the error is made of, so that each quantity measures it its own way
+    by_pairs = profiles(plan, rows, rows + np.where(factor > 0, factor, 1) * (coarser - rows))
+    by_order = profiles(plan, rows, rows + apart * (third - second))
+    error: dict[Quantity, float] = {}
+    final_error: dict[Quantity, float] = {}
     for group in columns.groups(plan):
         size = np.abs(third[:, group.first : group.last]).max(initial=0.0)
-        errors[group.quantity] = max(errors[group.quantity], ROUNDING * float(size))
-    return rows, errors, orders
+        profile = np.maximum(by_pairs[group.quantity], by_order[group.quantity])
+        least = ROUNDING * float(size)
+        error[group.quantity] = max(float(profile.max()), least, error.get(group.quantity, 0.0))
+        final_error[group.quantity] = max(float(profile[-1]), least)
+    return Limit(rows, error, final_error, seen)
 
 
 def _order(before: float, after: float, ratio: float) -> float:

@@ -248,11 +248,11 @@ def _limit(answer: Study, scenes: Sequence[Scene]) -> tuple[list[Error | None], 
         _tips(scene, cut.reference.rows) for scene, cut in zip(scenes, answer.cuts, strict=True)
     ]
     levels = [rows[index] for _, index in counted[-3:]]
-    limit, errors, _ = extrapolated(plan, levels, n3 / n2)
+    limit = extrapolated(plan, levels, n3 / n2)
     models: list[Error | None] = [
-        summary(profiles(plan, one, limit)["tip_position"]) for one in rows
+        summary(profiles(plan, one, limit.rows)["tip_position"]) for one in rows
     ]
-    return models, errors["tip_position"]
+    return models, limit.error["tip_position"]
 
 
 def _tips(scene: Scene, rows: Array) -> Array:

@@ -1,0 +1,72 @@
+"""The error that a run tells of itself, against the true one."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from somo_cli.analysis.half_step import Estimate, estimate
+from somo_cli.simulation.bullet import BulletWorld
+from somo_cli.simulation.plan import make_plan
+from somo_cli.simulation.recorder import RowSpool
+from somo_cli.simulation.scene import Scene
+from tests.loading import rows_of, scene_from_file, scene_from_text
+from tests.simulation.test_physics import error_of_hinge, finger, hinge, truth_of_finger
+
+
+def estimated(scene: Scene, steps: int) -> Estimate:
+    plan = make_plan(scene)
+    return estimate(plan, iter(rows_of(plan, steps)), steps, BulletWorld, lambda: 0.0)
+
+
+@pytest.mark.parametrize("integrator", ["implicit", "euler", "explicit"])
+@pytest.mark.parametrize("step", [4e-3, 1e-3])
+def test_the_estimate_of_a_hinge_is_its_error(integrator: str, step: float) -> None:
+    found = estimated(hinge(integrator, step), round(1 / step))
+    true = error_of_hinge(integrator, step)
+    assert found.order == (2 if integrator == "implicit" else 1)
+    assert found.errors[0].maximum == pytest.approx(true, rel=0.15)
+
+
+@pytest.mark.parametrize("step", [4e-3, 2e-3, 1e-3])
+def test_the_estimate_of_a_whipped_finger_is_its_error_within_two(step: float) -> None:
+    """Against another simulator, every joint."""
+    scene = finger(step)
+    steps = round(1 / step)
+    true = np.abs(np.array(rows_of(scene, steps))[1:, 1:] - truth_of_finger()).max(axis=0)
+    told = np.array([error.maximum for error in estimated(scene, steps).errors])
+    assert np.all(told > true / 2), (told, true)
+    assert np.all(told < true * 2), (told, true)
+
+
+def test_a_final_error_is_that_of_the_last_row() -> None:
+    scene = dataclasses.replace(scene_from_file("scene.yaml"), every=100)
+    found = estimated(scene, 200)
+    short = estimated(dataclasses.replace(scene, every=200), 200)
+    assert found.errors[0].final == short.errors[0].final
+    assert found.errors[0].maximum >= found.errors[0].final
+    assert short.errors[0].rms == pytest.approx(short.errors[0].maximum / np.sqrt(2))
+
+
+def test_turned_quaternions_are_no_error() -> None:
+    scene = scene_from_text(
+        "manipulators: [{definition: finger.yaml, base: free, angular_velocity: [0, 0, 20]}]\n"
+        "gravity: [0, 0, 0]\nrecord: {every: 5, columns: [base_pose]}\n"
+    )
+    turns = [error.maximum for error in estimated(scene, 400).errors[3:]]
+    assert max(turns) < 0.05
+
+
+def test_a_spool_gives_back_what_it_took(tmp_path: Path) -> None:
+    passed: list[list[float]] = []
+    rows = [[0.1, 1e300], [-0.0, 2**-1074], [3.0, 4.0]]
+    with (tmp_path / "rows").open("w+b") as stream:
+        spool = RowSpool(stream, 2)
+        keep = spool.onward_to(lambda values: passed.append(list(values)))
+        for row in rows:
+            keep(iter(row))
+        assert [list(row) for row in spool.rows()] == rows == passed
+        assert [list(row) for row in spool.rows()] == rows
