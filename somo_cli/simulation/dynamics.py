@@ -17,6 +17,8 @@ from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.springs import Array
 
+_IDENTITY = np.eye(4)
+
 
 class ChainDynamics:
     """What of a chain no pose changes, as arrays; `at` gives the chain at a pose."""
@@ -45,17 +47,21 @@ class ChainDynamics:
 
     def frames(self, angles: Array, base: Pose) -> Array:
         """Return the homogeneous transforms of all link frames in the world, (n + 1, 4, 4)."""
-        sine, versine = np.sin(angles), 2 * np.sin(angles / 2) ** 2
-        steps = (
-            self._constant
-            + sine[:, np.newaxis, np.newaxis] * self._sine
-            + versine[:, np.newaxis, np.newaxis] * self._versine
-        )
+        sine, versine = np.sin(angles), np.sin(0.5 * angles)
+        versine *= 2 * versine
         frames: Array = np.empty((self.count + 1, 4, 4))
-        frames[0] = np.eye(4)
+        frames[0] = _IDENTITY
         frames[0, :3, :3], frames[0, :3, 3] = base.rotation, base.position
-        for index in range(self.count):
-            np.matmul(frames[index], steps[index], frames[index + 1])
+        steps = frames[1:]
+        np.multiply(sine[:, np.newaxis, np.newaxis], self._sine, steps)
+        steps += self._constant
+        steps += versine[:, np.newaxis, np.newaxis] * self._versine
+        # products of 2, 4, 8, ... in a row (Hillis and Steele, Comm. ACM 29 (1986) 1170): calls
+        # into numpy are what this costs
+        done = 1
+        while done <= self.count:
+            frames[done:] = frames[:-done] @ frames[done:]
+            done *= 2
         return frames
 
 
@@ -126,13 +132,14 @@ class ChainPose:
         base's centre of mass and the force, then come the joint torques.
         """
         generalised: Array = np.zeros(6 + self.chain.count)
-        (turn,) = cross_matrices(force[np.newaxis])
-        axes = self.axes[:link]
-        generalised[:3] = moment - turn @ (point - self.centres[0])
+        # r x F as r times a matrix: numpy's cross is slow, and this runs in every step
+        x, y, z = force.tolist()
+        cross = np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
+        moments = (point - self.origins[1 : link + 1]) @ cross
+        moments += moment
+        generalised[:3] = moment + (point - self.centres[0]) @ cross
         generalised[3:6] = force
-        # a · (r x F + M) = r · (F x a) + a · M; numpy's cross is slow, and this runs in every step
-        arms = point - self.origins[1 : link + 1]
-        generalised[6 : 6 + link] = np.einsum("ij,ij->i", arms, axes @ turn.T) + axes @ moment
+        generalised[6 : 6 + link] = np.einsum("ij,ij->i", self.axes[:link], moments)
         return generalised
 
     def stiffness_of_force(self, link: int, point: Array, force: Array) -> Array:

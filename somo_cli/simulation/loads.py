@@ -50,11 +50,11 @@ class BodyLoads:
         if not any(self._factors):
             return self._nothing
         pose = self._chain.at(angles, self._base_pose())
-        total: Array = np.zeros(6 + self._chain.count)
+        total = self._nothing
         for index, factor in enumerate(self._factors):
             if factor != 0:
                 point, _, force, moment = self._wrench(pose, index)
-                total += pose.force_on(self._loads[index][0], point, force, moment)
+                total = total + pose.force_on(self._loads[index][0], point, force, moment)
         return total
 
     def steady_until(self, time: float) -> float:

@@ -9,6 +9,8 @@ import numpy as np
 
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.urdf import render
+from somo_cli.simulation.scene import Load
+from somo_cli.simulation.signal import through
 
 FLOATING = (
     '<link name="world"/><joint name="floating" type="floating">'
@@ -69,4 +71,39 @@ def trajectory(
             mujoco.mj_step(model, state)
         done = until
         rows.append(state.qpos.copy())
+    return np.array(rows)
+
+
+def trajectory_under_loads(
+    model: mujoco.MjModel, loads: Sequence[Load], times: Sequence[float]
+) -> np.ndarray:
+    """Return qpos at the times, from rest at zero, with loads [SI] evaluated in every stage.
+
+    The model's bodies are the links in order; a base that is not free is none of them.
+    """
+    is_free = model.nq > model.nv
+    signals = [through(load.waypoints, load.interpolation, load.repeat) for load in loads]
+
+    def push(model: mujoco.MjModel, state: mujoco.MjData) -> None:
+        state.xfrc_applied[:] = 0
+        for load, signal in zip(loads, signals, strict=True):
+            body = load.link + is_free
+            axes = state.xmat[body].reshape(3, 3)
+            turned = axes if load.frame == "body" else np.eye(3)
+            force = signal.at(state.time) * (turned @ load.force)
+            moment = signal.at(state.time) * (turned @ load.moment)
+            arm = state.xpos[body] + axes @ load.point - state.xipos[body]
+            state.xfrc_applied[body, :3] += force
+            state.xfrc_applied[body, 3:] += moment + np.cross(arm, force)
+
+    state = mujoco.MjData(model)
+    rows = []
+    mujoco.set_mjcb_control(push)
+    try:
+        for time in times:
+            while state.time < time - 0.5 * model.opt.timestep:
+                mujoco.mj_step(model, state)
+            rows.append(state.qpos.copy())
+    finally:
+        mujoco.set_mjcb_control(None)
     return np.array(rows)
