@@ -18,7 +18,7 @@ from somo_cli.simulation.springs import Array, SpringLaw, Springs
 from somo_cli.simulation.watch import BodyEnergy
 from somo_cli.simulation.world import WorldBody
 
-CALM_REFRESH = 0.05  # rad: the mass matrix is renewed once the joints have moved this far, as the
+CALM_REFRESH = 0.03  # rad: the mass matrix is renewed once the joints have moved this far, as the
 SWIFT_REFRESH = 0.015  # root of the sum of squares over the joints
 CALM_PHASE = 0.2  # rad of the slowest mode between two looks: with larger steps no body is calm
 CALM_FALL = 0.25  # rad of the fastest mode of gravity alone in a step: likewise
@@ -110,7 +110,10 @@ class Runner:
         assert law.bias is not None
         is_calm = self._looked_at is not None and self._is_calm(self._looked_at[0])
         if is_calm and self._looked_at is not None:
-            law.hold((self._looked_at[1] - law.bias) / STEPS_BETWEEN_LOOKS)
+            law.hold(
+                (self._looked_at[1] - law.bias) / STEPS_BETWEEN_LOOKS,
+                (law.correction - self._looked_at[0]) / STEPS_BETWEEN_LOOKS,
+            )
         self.push = self._push_held if is_calm else self._push_swiftly
         self._refresh_angle = CALM_REFRESH if is_calm else SWIFT_REFRESH
         self._looked_at = law.correction, law.bias

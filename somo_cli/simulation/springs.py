@@ -5,18 +5,25 @@ gravity, Coriolis, contact, friction, constraints. With K, D diagonal and u the 
 implicit law is Newmark's method in leapfrog form: v lives at half steps, the damper is centred and
 the spring is evaluated at q + β h² a,
 
-    B = h/2 D + β h² K
-    s = u - K (q - q0) - D v
+    s = u - K (q - q0) - (D + N) v
     f = M (v - v_prev) / h - τ_prev          what the engine did in the last step, measured
     a = (M + B)⁻¹ (f + s)
     τ = s - B a
 
-It is second order for every β and, for β ≥ 1/4, stable for any step on the linear chain. At rest
-a = 0 and τ = s, so static equilibria are exact, contact forces included. With B = h D + h² K and
-s = u - K (q - q0) - (D + h K) v it is backward Euler; with B = 0 it is the explicit torque loop.
+At rest a = 0 and τ = s, so static equilibria are exact, contact forces included. It is second
+order for every B = h/2 D + O(h²); what B is beyond that is chosen mode by mode, as a rational
+function of x = h d/m and y = h² k/m:
 
-β is 0.3 while h ω_max < 10 and 1/2 beyond, once for each body: the smaller one halves the error,
-the larger one withstands stiff springs whose neighbours move fast (measured, see README).
+    N = h K (1 + ε h² M⁻¹K)⁻¹ ε h² M⁻¹K                                   ε y² m/h / (1 + ε y)
+    B = h/2 (D + N) + h²/12 K + P (M + P/6)⁻¹ P / 12,   P = h D + 5/6 h² K
+
+Slow modes have β = 1/12 and (1 + x/2 + x²/12), for which Newmark's spring is of fourth order and
+the damper Padé's approximation of exp(-x); in modes that the step does not resolve B tends to
+h D + h² K and N to h K, which is backward Euler: they decay at once, however light their damping,
+and do not flip their sign in every step, which an M that is a little old would make them grow by.
+
+With B = h D + h² K and N = h K in all modes it is backward Euler; with B = N = 0 it is the explicit
+torque loop.
 
 Bullet evaluates Coriolis forces at v, half a step too early, which alone would leave the method
 with first order; at large steps it is also what makes it fail. With c(v) the bias forces of
@@ -24,12 +31,14 @@ inverse dynamics at q, the half step is made up for by acting as if u were large
 
     c(v) - c(v + h/2 a),  and f by  c_prev - c(v), where it is a step old.
 
-`SpringLaw.correct` does so in full; `SpringLaw.hold` keeps the last correction, which is enough,
+`SpringLaw.correct` does so in full; `SpringLaw.hold` goes on from the last two, which is enough,
 and still second order, where a few steps turn no joint far.
 
-Newmark, J. Eng. Mech. Div. ASCE 85 (1959) 67; Hairer, Lubich, Wanner, Geometric Numerical
-Integration, ch. I.1.4 (leapfrog); Steihaug and Wolfbrandt, Math. Comp. 33 (1979) 521 (why an old
-M does no harm to the order); Tan, Liu, Turk, IEEE CG&A 31 (2011) 34 (stable PD control).
+Newmark, J. Eng. Mech. Div. ASCE 85 (1959) 67; Chung and Hulbert, J. Appl. Mech. 60 (1993) 371
+(why modes that are not resolved should be damped, and only they); Hairer, Lubich, Wanner,
+Geometric Numerical Integration, ch. I.1.4 (leapfrog); Steihaug and Wolfbrandt, Math. Comp. 33
+(1979) 521 (why an old M does no harm to the order); Tan, Liu, Turk, IEEE CG&A 31 (2011) 34 (stable
+PD control).
 """
 
 from __future__ import annotations
@@ -45,9 +54,10 @@ from somo_cli.simulation.scene import Integrator
 
 Array: TypeAlias = npt.NDArray[np.float64]
 
-BETA_ACCURATE = 0.3
-BETA_ROBUST = 0.5
-RESOLVED = 10.0  # h ω_max below which β = 0.3 was stable in every case tried
+BETA = 1 / 12  # of the spring in modes that the step resolves; Cowell's method
+STIFF = 5 / 12  # what is added to it in modes that the step does not resolve: 1/2 in all
+DAMPER = 1 / 12  # of x² in B: Padé
+FILTER = 0.02  # ε: modes with h ω beyond 1/√ε are damped by the method
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,9 +99,9 @@ class SpringLaw:
         self._previous_torques = self.state[3 * n : 4 * n]
         self.correction: Array = np.zeros(n)
         self.bias: Array | None = None  # at the start of the last step, if it was corrected
-        self._held: Array = np.zeros(n)  # torques that hold the last correction
+        self._held: Array = np.zeros(n)  # torques that hold the last correction, and their change
+        self._slope: Array = np.zeros(n)
         self._mass: Array | None = None
-        self._beta: float | None = None
         self.slowest_mode = 0.0  # rad/s, where the run starts
         # s and f + s as linear functions of the state; only the mass changes them later
         self._own: Array = np.zeros((n, 5 * n + 1))
@@ -104,7 +114,6 @@ class SpringLaw:
         self._to_torques: Array = self._own.copy()
         self._to_half_change: Array = np.zeros((n, 5 * n + 1))  # h/2 a
         self._rest: Array = np.eye(n)  # 1 - R
-        self._implicit: Array = np.zeros(n)
         self._torques: Array = np.zeros(n)
 
     def refresh(self, mass: Array) -> None:
@@ -115,33 +124,35 @@ class SpringLaw:
         if self._mass is None:
             modes = natural_frequencies(mass, self.springs.stiffness)
             self.slowest_mode = float(modes[0])
-            self._beta = BETA_ACCURATE if h * modes[-1] < RESOLVED else BETA_ROBUST
-            self._implicit = self.implicit_inertia()
         else:
             # f, measured with the old matrix, shall not jump
             change = self.rates - self._previous_rates
             self._previous_torques += (mass - self._mass) @ change / h
         self._mass = mass
-        implicit = self._implicit
-        inverse = np.linalg.inv(mass + np.diag(implicit))
+        damping, implicit = self.implicit_parts(mass)
+        np.negative(damping, self._own[:, n : 2 * n])
+        inverse = np.linalg.inv(mass + implicit)
         by_step = mass / h
         self._all[:, n : 2 * n] = self._own[:, n : 2 * n] + by_step
         np.negative(by_step, self._all[:, 2 * n : 3 * n])
         acceleration = inverse.dot(self._all)
         np.multiply(acceleration, 0.5 * h, self._to_half_change)
-        acceleration *= implicit[:, np.newaxis]
-        np.subtract(self._own, acceleration, self._to_torques)
+        np.subtract(self._own, implicit @ acceleration, self._to_torques)
         self._rest = self._to_torques[:, 4 * n : 5 * n]
 
-    def implicit_inertia(self) -> Array:
-        """Return the diagonal of B, shape (n,); zero for the explicit law."""
+    def implicit_parts(self, mass: Array) -> tuple[Array, Array]:
+        """Return D + N [N·m·s/rad] and B [kg·m²] for an inertia M, all of shape (n, n)."""
         h, k, d = self.time_step, self.springs.stiffness, self.springs.damping
         if self.integrator == "explicit":
-            return np.zeros_like(k)
+            return np.diag(d), np.zeros_like(mass)
         if self.integrator == "euler":
-            return h * d + h * h * k
-        assert self._beta is not None, "refresh comes first"
-        return 0.5 * h * d + self._beta * h * h * k
+            return np.diag(d + h * k), np.diag(h * d + h * h * k)
+        share = FILTER * h * h * k
+        damping = np.diag(d) + h * _between(k, mass, share)
+        # from P M⁻¹ P / 12 in slow modes to P / 2 in stiff ones: the other halves of h D and h² K
+        p = h * d + 2 * STIFF * h * h * k
+        stiff = 0.5 * _between(p, mass, 2 * DAMPER * p)
+        return damping, np.diag(BETA * h * h * k) + 0.5 * h * damping + stiff
 
     def measure(self, force: Array, bias: Array | None = None) -> None:
         """Take f, the generalised force on the joints that is not ours, as the last step's.
@@ -152,12 +163,13 @@ class SpringLaw:
         self._previous_torques[:] = -force
         self.bias = bias
 
-    def hold(self, drift: Array) -> None:
-        """Keep the last correction for the steps to come, as `make_hold` does them.
+    def hold(self, drift: Array, change: Array) -> None:
+        """Carry the last correction on for the steps to come, as `make_hold` does them.
 
         `drift` is how much the bias forces fall from step to step, shape (n,): the measured force
-        is a step old by that much.
+        is a step old by that much. `change` is how much the correction grows from step to step.
         """
+        self._slope[:] = self._rest.dot(change)
         self._held[:] = self._rest.dot(self.correction + drift) - drift
 
     def make_hold(self) -> Callable[[], list[float]]:
@@ -165,12 +177,13 @@ class SpringLaw:
 
         All names are bound here, because this is where a run spends its time.
         """
-        state, torques, held = self.state, self._torques, self._held
+        state, torques, held, slope = self.state, self._torques, self._held, self._slope
         rates, previous_rates = self.rates, self._previous_rates
         previous_torques = self._previous_torques
         tolist, add, law = torques.tolist, np.add, self
 
         def hold() -> list[float]:
+            add(held, slope, held)
             law._to_torques.dot(state, torques)
             add(torques, held, torques)
             previous_rates[:] = rates
@@ -202,11 +215,16 @@ class SpringLaw:
 
     def acceleration(self, mass: Array, force: Array) -> Array:
         """Return a = (M + B)⁻¹ (f + s) at the present state, shape (n,) [rad/s²]."""
-        s = self.actuation + self.springs.torques(self.angles, self.rates)
-        if self.integrator == "euler":
-            s -= self.time_step * self.springs.stiffness * self.rates
-        matrix = mass + np.diag(self.implicit_inertia())
-        return np.asarray(np.linalg.solve(matrix, force + s), dtype=np.float64)
+        damping, implicit = self.implicit_parts(mass)
+        springs = self.springs.stiffness * (self.angles - self.springs.neutral)
+        s = self.actuation - springs - damping @ self.rates
+        return np.asarray(np.linalg.solve(mass + implicit, force + s), dtype=np.float64)
+
+
+def _between(outer: Array, mass: Array, share: Array) -> Array:
+    """Return O (M + S)⁻¹ S, shape (n, n), of diagonals O and S that are multiples of each other."""
+    product: Array = outer[:, np.newaxis] * np.linalg.inv(mass + np.diag(share)) * share
+    return product
 
 
 def natural_frequencies(mass: Array, stiffness: Array) -> Array:

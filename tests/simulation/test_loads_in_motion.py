@@ -92,8 +92,9 @@ def errors_of_finger(base: str, step: float, integrator: str) -> tuple[float, fl
 @pytest.mark.parametrize(("integrator", "order"), [("implicit", 2), ("euler", 1)])
 def test_a_loaded_finger_moves_as_in_another_simulator(integrator: str, order: int) -> None:
     errors = [errors_of_finger("static", step, integrator)[0] for step in (2e-3, 1e-3, 5e-4)]
-    assert errors[1] < {2: 5e-5, 1: 1e-2}[order]
-    assert math.log2(errors[0] / errors[2]) / 2 == pytest.approx(order, abs=0.2), errors
+    assert errors[1] < {2: 2e-5, 1: 1e-2}[order]
+    # the order is seen less clearly where corrections are held: that costs as much as the steps
+    assert math.log2(errors[0] / errors[2]) / 2 == pytest.approx(order, abs=0.45), errors
 
 
 def test_a_finger_that_is_pushed_through_space_moves_as_in_another_simulator() -> None:

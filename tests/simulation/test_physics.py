@@ -187,6 +187,26 @@ def test_a_stiff_finger_settles_on_its_equilibrium(integrator: str, factor: floa
     assert angles == pytest.approx(equilibrium(scene), abs=1e-12 + 1e-10 * np.abs(angles).max())
 
 
+@pytest.mark.parametrize("step", [2e-2, 5e-3, 2e-3])
+@pytest.mark.parametrize("ratio", [0.1, 0.2, 2.0])
+def test_a_heavily_damped_chain_comes_to_rest(step: float, ratio: float) -> None:
+    """Modes whose sign flips in every step grow where the mass matrix is a little old.
+
+    With B = h/2 D + β h² K a chain in which d/k is 0.2 s never came to rest at a step of 5 ms.
+    """
+    scene = scene_from_file(
+        "cantilever_scene.yaml",
+        "manipulators[0].loads=[{moment: [0, 1.5, 0]}]",
+        f"{JOINTS}[0].spring_damping={10 * ratio}",
+        "record={columns: [joint_angles, joint_rates]}",
+    )
+    time = 10 + 20 * ratio
+    scene = dataclasses.replace(scene, time_step=step, every=round(time / step))
+    row = np.array(rows_of(scene, round(time / step)))[-1]
+    assert row[1:11] == pytest.approx(0.15, abs=1e-4 if ratio > 1 else 1e-9)
+    assert np.abs(row[11:]).max() < (1e-4 if ratio > 1 else 1e-9)
+
+
 def equilibrium(scene: Scene) -> np.ndarray:
     """Return the joint angles at which springs, actuation and gravity balance (Newton)."""
     import mujoco
@@ -219,7 +239,7 @@ def equilibrium(scene: Scene) -> np.ndarray:
 def test_the_recorded_energy_of_an_undamped_finger_stays(base: str) -> None:
     """To second order: the energies are recorded at the instants, not half a step before."""
     drifts = []
-    for step in (5e-4, 2.5e-4):
+    for step in (2.5e-4, 1.25e-4):
         scene = scene_from_text(
             THROWN if base == "free" else "manipulators: [{definition: finger.yaml}]",
             "record={columns: [energy]}",
@@ -233,7 +253,7 @@ def test_the_recorded_energy_of_an_undamped_finger_stays(base: str) -> None:
         exchanged = float(np.ptp(energy, axis=0).max())
         drifts.append(float(np.abs(total - total[0]).max()) / exchanged)
     assert drifts[0] < 1e-2, drifts
-    assert 3 < drifts[0] / drifts[1] < 5, drifts
+    assert 3 < drifts[0] / drifts[1] < 8, drifts
 
 
 THROWN = (
