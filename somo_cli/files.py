@@ -52,6 +52,13 @@ def open_reference(naming_source: str, reference: str) -> tuple[str, str]:
     return str(path), _read(real, str(path))
 
 
+@contextmanager
+def open_lines(path: str) -> Iterator[TextIO]:
+    """Give the lines of a text file one by one, however long it is. Raises OSError."""
+    with Path(path).open(encoding="utf-8", errors="replace", newline="") as stream:
+        yield stream
+
+
 def write_whole(path: str, content: str | bytes) -> None:
     """Write a file such that it has the old contents or all of the new, never a part.
 

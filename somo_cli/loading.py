@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from typing import Literal, TypeAlias
 
 from somo_cli import files
 from somo_cli.document.edit import override
@@ -13,6 +14,8 @@ from somo_cli.manipulator import compile as compiler
 from somo_cli.problems import InvalidFile, Problem, has_errors
 from somo_cli.simulation import meaning, scene
 from somo_cli.simulation.scene import Scene
+
+Auto: TypeAlias = Literal["auto"]
 
 
 def load(path: str, sets: Sequence[str] = ()) -> Document:
@@ -45,23 +48,47 @@ def refuse_scene(document: Document) -> None:
         raise InvalidFile([problem], document.texts)
 
 
+def as_scene(document: Document) -> Document:
+    """Return a scene as it is, and a definition as the scene of that one manipulator."""
+    return document if scene.is_scene(document) else scene.scene_of_one(document)
+
+
 def scene_of(
-    document: Document, every: int | None = None, time_step: float | None = None
+    document: Document, every: int | None = None, time_step: float | Auto | None = None
 ) -> tuple[Scene, tuple[Problem, ...]]:
     """Return the scene of a document and the warnings about it; raise InvalidFile for errors.
 
     A definition becomes the scene of that one manipulator. `every` and `time_step` [s] take the
-    place of what the scene says.
+    place of what the scene says. A time step that is left to us is the recommended one.
     """
     problems = judged(document)
     if not scene.is_scene(document) and not has_errors(problems):
-        document = scene.scene_of_one(document)
+        document = as_scene(document)
         problems = meaning.faults(document)
     if has_errors(problems):
         raise InvalidFile(problems, document.texts)
     found = scene.read(document)
-    wanted = {"every": every or found.every, "time_step": time_step or found.time_step}
-    return dataclasses.replace(found, **wanted), problems  # type: ignore[arg-type]
+    if every is not None:
+        found = dataclasses.replace(found, every=every)
+    if time_step == "auto":
+        found = dataclasses.replace(found, is_step_chosen=True)
+    elif time_step is not None:
+        found = dataclasses.replace(found, time_step=time_step, is_step_chosen=False)
+    return (_with_chosen_step(found, document) if found.is_step_chosen else found), problems
+
+
+def _with_chosen_step(found: Scene, document: Document) -> Scene:
+    # numpy and more, which few scenes need before they run
+    from somo_cli.analysis.modes import NotAnInertia
+    from somo_cli.analysis.stability import recommended_step
+    from somo_cli.simulation.plan import make_plan
+
+    try:
+        return dataclasses.replace(found, time_step=recommended_step(make_plan(found)))
+    except NotAnInertia as error:
+        place = document.span(("time_step",))
+        message = f"no time step can be chosen: {error}"
+        raise InvalidFile([Problem(place, message, "give a time_step")], document.texts) from error
 
 
 def _with_parts(document: Document) -> Document:

@@ -29,12 +29,16 @@ class Span:
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """One fault: where it is, what is wrong with the value in it, and what would be right."""
+    """One fault: where it is, what is wrong with the value in it, and what would be right.
+
+    A finding of numerics has a `code` that scripts can tell it by; info is nothing to put right.
+    """
 
     span: Span
     message: str
     hint: str = ""
-    severity: Literal["error", "warning"] = "error"
+    severity: Literal["error", "warning", "info"] = "error"
+    code: str = ""
 
     def __str__(self) -> str:
         span = self.span
@@ -44,6 +48,11 @@ class Problem:
 def has_errors(problems: Iterable[Problem]) -> bool:
     """Whether one of the problems is an error, not a warning."""
     return any(problem.severity == "error" for problem in problems)
+
+
+def has_warnings(problems: Iterable[Problem]) -> bool:
+    """Whether one of the problems is a warning."""
+    return any(problem.severity == "warning" for problem in problems)
 
 
 def in_reading_order(

@@ -15,6 +15,7 @@ from somo_cli.problems import LINE_BREAK, Problem
 _WIDEST = 100  # columns of a source line
 _LONGEST = 2000  # characters of a message
 _MOST = 500  # problems
+_STYLES = {"error": "bold red", "warning": "bold yellow", "info": "bold blue"}
 _PAUSE = 0.1  # between two drawings of the progress bar [s]
 
 # GitHub runs such lines as commands, after stripping blanks.
@@ -88,7 +89,7 @@ def _ignore(done: int) -> None:
 
 
 def _report(problem: Problem, source: Sequence[str]) -> list[tuple[str, str]]:
-    style = "bold red" if problem.severity == "error" else "bold yellow"
+    style = _STYLES[problem.severity]
     lines = [(style, _escaped(str(problem)))]
     span = problem.span
     written = source[span.line - 1] if 0 < span.line <= len(source) else ""

@@ -43,7 +43,7 @@ KNOWS = {
 
 # Every library that is not the interpreter's own, and the standard ones that are a format.
 HOMES = {
-    "csv": ("simulation.recorder", "analysis.account"),
+    "csv": ("simulation.recorder", "analysis.account", "analysis.trajectory"),
     "jsonschema": ("document.validate",),
     "matplotlib": ("picture.",),
     "numpy": ("simulation.", "analysis.", "manipulator.verify"),

@@ -1,24 +1,69 @@
 """somo check: what is wrong with files, without an engine."""
 
 import json
-from typing import Annotated
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from somo_cli import terminal
-from somo_cli.cli.door import EXIT_CODES, app, ending
-from somo_cli.problems import InvalidFile, Problem, has_errors, in_reading_order
+from somo_cli import files, terminal
+from somo_cli.cli.door import EXIT_CODES, app, ending, require
+from somo_cli.problems import (
+    InvalidFile,
+    Problem,
+    has_errors,
+    has_warnings,
+    in_reading_order,
+)
+
+if TYPE_CHECKING:
+    from somo_cli.manipulator.kinematics import Pose
+    from somo_cli.simulation.plan import Plan
+    from somo_cli.simulation.springs import Array
 
 
 @app.command(epilog=EXIT_CODES)
 @ending
 def check(
     paths: Annotated[list[str], typer.Argument(metavar="FILE...", help="Definitions, scenes.")],
+    numerics: Annotated[
+        bool,
+        typer.Option(
+            "--numerics",
+            help="Judge the numbers of one scene as well: natural frequencies, the largest "
+            "explicit step, the step to recommend, conditioning.",
+        ),
+    ] = False,
+    trajectory: Annotated[
+        str | None,
+        typer.Option(
+            "--trajectory",
+            metavar="CSV",
+            help="With --numerics: look at the worst pose of a recorded run, too.",
+        ),
+    ] = None,
+    is_strict: Annotated[
+        bool, typer.Option("--strict", help="Exit with 1 on warnings, too.")
+    ] = False,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print the findings as JSON on standard output.")
     ] = False,
 ) -> None:
-    """Say everything that build and run would complain about, without an engine."""
+    """Say everything that build and run would complain about, without an engine.
+
+    With --numerics standard output has a table of the scene's modes and steps; findings have a
+    code, such as explicit-step-too-long, and an error among them is a step that will not hold.
+    """
+    has_one = not numerics or len(paths) == 1
+    require(has_one, "--numerics", f"it takes one scene, not {len(paths)}")
+    require(trajectory is None or numerics, "--trajectory", "it goes with --numerics")
+    if numerics:
+        _check_numerics(paths[0], trajectory, is_strict, as_json)
+    else:
+        _check_files(paths, is_strict, as_json)
+
+
+def _check_files(paths: Sequence[str], is_strict: bool, as_json: bool) -> None:
     from somo_cli import loading
 
     found: list[Problem] = []
@@ -41,7 +86,58 @@ def check(
         typer.echo(json.dumps([_plain(problem) for problem in found], indent=2))
     else:
         terminal.say_problems(found, texts)
-    raise typer.Exit(5 if is_unreadable else int(has_errors(found)))
+    raise typer.Exit(5 if is_unreadable else int(_is_found(found, is_strict)))
+
+
+def _check_numerics(path: str, trajectory: str | None, is_strict: bool, as_json: bool) -> None:
+    from somo_cli import loading
+
+    document = loading.load(path)
+    try:
+        scene, problems = loading.scene_of(document)
+    except InvalidFile as error:
+        # what is wrong with a file is a finding of check, not an end
+        _say_findings(error.problems, error.texts, {}, as_json)
+        raise typer.Exit(1) from error
+    from somo_cli.analysis import outlook_account
+    from somo_cli.analysis.numerics import judge
+    from somo_cli.simulation.plan import make_plan
+
+    plan = make_plan(scene)
+    known = judge(plan, loading.as_scene(document), _met(trajectory, plan))
+    found = in_reading_order([*problems, *known.findings], document.texts)
+    _say_findings(found, document.texts, outlook_account.plain(known), as_json)
+    if not as_json:
+        for line in outlook_account.table(known):
+            typer.echo(line)
+    raise typer.Exit(int(_is_found(found, is_strict)))
+
+
+def _met(trajectory: str | None, plan: "Plan") -> "Mapping[str, Sequence[tuple[Pose, Array]]]":
+    from somo_cli.analysis.trajectory import poses_met
+
+    if trajectory is None:
+        return {}
+    with files.open_lines(trajectory) as lines:
+        return poses_met(lines, trajectory, plan)
+
+
+def _say_findings(
+    found: Sequence[Problem],
+    texts: Mapping[str, str],
+    known: Mapping[str, object],
+    as_json: bool,
+) -> None:
+    if not as_json:
+        terminal.say_problems(found, texts)
+        return
+    findings = [{"code": problem.code or "document", **_plain(problem)} for problem in found]
+    typer.echo(json.dumps({"findings": findings, **known}, indent=2))
+
+
+def _is_found(problems: Iterable[Problem], is_strict: bool) -> bool:
+    known = tuple(problems)
+    return has_errors(known) or (is_strict and has_warnings(known))
 
 
 def _plain(problem: Problem) -> dict[str, object]:

@@ -24,6 +24,7 @@ from somo_cli.problems import SimulationDiverged
 if TYPE_CHECKING:
     from somo_cli.analysis.half_step import Estimate
     from somo_cli.document.parse import Document
+    from somo_cli.loading import Auto
     from somo_cli.simulation.plan import Plan
     from somo_cli.simulation.recorder import RowSpool
     from somo_cli.simulation.run import Summary
@@ -49,8 +50,12 @@ def run(
         int | None, typer.Option("--every", min=1, help="Steps between two recorded rows.")
     ] = None,
     time_step: Annotated[
-        float | None,
-        typer.Option("--time-step", metavar="S", help="Time step in seconds."),
+        str | None,
+        typer.Option(
+            "--time-step",
+            metavar="S",
+            help="Time step in seconds, or auto: the one that check --numerics recommends.",
+        ),
     ] = None,
     with_error: Annotated[
         bool,
@@ -68,14 +73,28 @@ def run(
     """
     from somo_cli import loading
 
-    is_step = time_step is None or 0 < time_step <= 1
-    require(is_step, "--time-step", f"{time_step} is not greater than 0 and at most 1")
+    step = _step(time_step)
     document = loading.load(scene, sets or [])
-    planned, warnings = loading.scene_of(document, every, time_step)
+    planned, warnings = loading.scene_of(document, every, step)
     terminal.say_problems(warnings, document.texts)
     target = output or f"{Path(scene).stem}.csv"
     refuse_overwriting(document, target)
     _simulate(planned, document, steps, target, sets or [], with_error, quiet)
+
+
+def _step(text: str | None) -> "float | Auto | None":
+    if text is None:
+        return None
+    if text == "auto":
+        return "auto"
+    try:
+        step = float(text)
+    except ValueError:
+        raise typer.BadParameter(
+            f"{text!r} is neither a number nor auto", param_hint="'--time-step'"
+        ) from None
+    require(0 < step <= 1, "--time-step", f"{text} is not greater than 0 and at most 1")
+    return step
 
 
 def _simulate(
@@ -97,7 +116,7 @@ def _simulate(
     with files.spool() if with_error else nullcontext() as kept:
         spool = None if kept is None else RowSpool(kept, len(names))
         summary = _recorded(plan, steps, output, names, spool)
-        about = metadata(plan, summary, document.texts, sets, names)
+        about = metadata(plan, summary, document.texts, sets, names, scene.is_step_chosen)
         told, failure = None, None
         if spool is not None:
             try:
@@ -109,9 +128,10 @@ def _simulate(
         files.write_whole(_beside(output), json.dumps(about, indent=2) + "\n")
     if not quiet:
         target = "standard output" if output == "-" else output
+        chosen = f", time step {plan.time_step:g} s" if scene.is_step_chosen else ""
         terminal.say(
             f"{target}: {summary.rows} rows of {len(names)} columns; "
-            f"{steps * plan.time_step:g} s in {summary.wall_time:.3g} s, "
+            f"{steps * plan.time_step:g} s in {summary.wall_time:.3g} s{chosen}, "
             f"{about['steps_per_second'] or 0:.0f} steps per second"
         )
     if told is not None:

@@ -204,6 +204,7 @@ def _inertia_faults(document: Document, at: Pointer, data: Mapping[str, Any]) ->
             f"no body has this inertia: a principal moment is {declared[0]:.3g}",
             f"leave inertial_values out; {ownership}",
             "warning",
+            "impossible-inertia",
         )
     elif declared[0] + declared[1] < declared[2] - slack:
         yield Problem(
@@ -212,6 +213,7 @@ def _inertia_faults(document: Document, at: Pointer, data: Mapping[str, Any]) ->
             f"{declared[1]:.3g} add up to less than the third, {declared[2]:.3g}",
             f"leave inertial_values out; {ownership}",
             "warning",
+            "impossible-inertia",
         )
     else:
         ratios = [d / o if o > 0 else math.inf for d, o in zip(declared, own, strict=True)]
@@ -223,6 +225,7 @@ def _inertia_faults(document: Document, at: Pointer, data: Mapping[str, Any]) ->
                 f"{data['shape_type']} of this size and mass",
                 f"leave inertial_values out; {ownership}",
                 "warning",
+                "declared-inertia",
             )
 
 

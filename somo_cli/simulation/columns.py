@@ -103,6 +103,11 @@ def row(plan: Plan, units: Units, time: float, states: Sequence[State]) -> list[
     return values
 
 
+def base_pose_names(body: Body) -> list[str]:
+    """Return the columns that tell where the base of a body is: position, quaternion."""
+    return [f"{body.name}.{name}" for name in _names(body, "base_pose")]
+
+
 def _names(body: Body, quantity: Quantity) -> list[str]:
     joints = [joint.name for joint in body.chain.joints]
     links = [link.name for link in body.chain.links]

@@ -11,7 +11,7 @@ import numpy as np
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.dynamics import ChainDynamics, ChainPose
-from somo_cli.simulation.plan import Body
+from somo_cli.simulation.plan import Body, Load
 from somo_cli.simulation.springs import Array
 
 _Wrench: TypeAlias = tuple[Array, Array, Array, Array]
@@ -86,6 +86,25 @@ class BodyLoads:
         if self._turns_with_link[index]:
             force, moment = axes @ force, axes @ moment
         return pose.point(link, point), axes, factor * force, factor * moment
+
+
+def generalised(load: Load, pose: ChainPose) -> Array:
+    """Return the generalised force, shape (6 + n,), of a load at a pose, its factor being one."""
+    force, moment = np.array(load.force), np.array(load.moment)
+    if load.frame == "body":
+        axes = pose.rotations[load.link]
+        force, moment = axes @ force, axes @ moment
+    return pose.force_on(load.link, pose.point(load.link, load.point), force, moment)
+
+
+def stiffness_of(load: Load, pose: ChainPose, factor: float) -> Array:
+    """Return the joint stiffness, (n, n), of a force that keeps its direction; else zero.
+
+    A force or moment that turns with its link, and a moment, have no potential; their stiffness
+    is not symmetric, and left out.
+    """
+    force = factor * np.array(load.force if load.frame == "world" else (0.0, 0.0, 0.0))
+    return pose.stiffness_of_force(load.link, pose.point(load.link, load.point), force)
 
 
 def _turn(rotation: Array) -> Array:

@@ -20,10 +20,12 @@ def metadata(
     inputs: Mapping[str, str],
     overrides: Sequence[str],
     columns: Sequence[str],
+    is_step_chosen: bool = False,
 ) -> dict[str, object]:
     """Return versions, input hashes, step, integrator, scale and run time of a finished run.
 
-    `inputs` maps each file that was read to its text. All but the versions, the platform and the
+    `inputs` maps each file that was read to its text; whether the time step was chosen by us is
+    not in the plan. All but the versions, the platform and the
     run time is the same for the same input.
     """
     simulated = summary.steps * plan.time_step
@@ -31,6 +33,7 @@ def metadata(
         **origin(inputs, overrides),
         "integrator": plan.integrator,
         "time_step_s": plan.time_step,
+        "time_step_chosen": is_step_chosen,
         "steps": summary.steps,
         "record_every": plan.every,
         "rows": summary.rows,

@@ -15,6 +15,7 @@ from somo_cli.simulation.dynamics import ChainDynamics
 from somo_cli.simulation.loads import BodyLoads
 from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.springs import Array, SpringLaw, Springs
+from somo_cli.simulation.vibration import natural_frequencies
 from somo_cli.simulation.watch import BodyEnergy
 from somo_cli.simulation.world import WorldBody
 
@@ -52,7 +53,7 @@ class Runner:
         self.push: Callable[[], None] = self._push_swiftly
         """Applies the torques of the law to the world."""
         self._refresh_angle = SWIFT_REFRESH
-        self._fastest_fall = math.inf
+        self._slowest_mode = self._fastest_fall = math.inf  # rad/s, where the run starts
         self._looked_at: tuple[Array, Array] | None = None  # correction and bias at the last look
         self._resistance: Array = np.ones(len(joints))
         self._drives = [(drive.signal.at, _as_slice(drive.joints)) for drive in body.drives]
@@ -122,7 +123,7 @@ class Runner:
         law = self.law
         change = np.abs(law.correction - last_correction) / self._resistance
         return (
-            STEPS_BETWEEN_LOOKS * law.time_step * law.slowest_mode <= CALM_PHASE
+            STEPS_BETWEEN_LOOKS * law.time_step * self._slowest_mode <= CALM_PHASE
             and law.time_step * self._fastest_fall <= CALM_FALL
             and self.fastest * law.time_step <= CALM_ANGLE
             and float(change.max()) <= CALM_CHANGE * law.time_step**2
@@ -193,6 +194,7 @@ class Runner:
         spin = self.body.start.angular_velocity
         bias = self.world_body.bias(self.law.angles.tolist(), rates.tolist(), spin)
         self.law.measure(force, self.world_body.felt_by_joints(bias))
+        self._slowest_mode = float(natural_frequencies(self.mass, self.law.springs.stiffness)[0])
         self._fastest_fall = self._gravity_mode()
 
     def _gravity_mode(self) -> float:

@@ -42,6 +42,8 @@ ClosedForm = Literal[
 ]
 
 DEFAULT_TIME_STEP = 1e-3  # s
+AUTO = "auto"
+"""In place of a time step: the one that `somo check --numerics` recommends."""
 DEFAULT_GRAVITY = (0.0, 0.0, -9.81)  # m/s²
 DEFAULT_COLUMNS: tuple[Quantity, ...] = ("joint_angles", "tip_position")
 
@@ -105,7 +107,8 @@ class Manipulator:
 class Scene:
     """Everything a run needs but the number of steps; SI throughout.
 
-    `reference` is the closed form that a study holds the results against, if there is one.
+    `reference` is the closed form that a study holds the results against, if there is one. Where
+    the scene leaves the time step to us, `is_step_chosen` says so.
     """
 
     time_step: float
@@ -116,6 +119,7 @@ class Scene:
     every: int
     columns: tuple[Quantity, ...]
     reference: ClosedForm | None
+    is_step_chosen: bool = False
 
 
 def is_scene(document: Document) -> bool:
@@ -137,7 +141,10 @@ def scene_of_one(definition: Document) -> Document:
 
 
 def read(document: Document) -> Scene:
-    """Return the scene of a document in which no error was found."""
+    """Return the scene of a document in which no error was found.
+
+    A time step that is left to us is the default one as yet: `loading` knows how to choose.
+    """
     data: Any = document.data
     record = data.get("record", {})
     manipulators = tuple(
@@ -146,8 +153,10 @@ def read(document: Document) -> Scene:
     scale = manipulator_read.world_scale(document)
     if scale is None:
         scale = manipulators[0].compiled.scale or Scale()
+    time_step = data.get("time_step", DEFAULT_TIME_STEP)
+    is_chosen = time_step == AUTO
     return Scene(
-        time_step=float(data.get("time_step", DEFAULT_TIME_STEP)),
+        time_step=DEFAULT_TIME_STEP if is_chosen else float(time_step),
         gravity=_vector(data.get("gravity", DEFAULT_GRAVITY)),
         integrator=data.get("integrator", "implicit"),
         scale=scale,
@@ -155,6 +164,7 @@ def read(document: Document) -> Scene:
         every=int(record.get("every", 1)),
         columns=tuple(dict.fromkeys(record.get("columns", DEFAULT_COLUMNS))),
         reference=data.get("reference"),
+        is_step_chosen=is_chosen,
     )
 
 

@@ -43,7 +43,7 @@ PD control).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -102,7 +102,6 @@ class SpringLaw:
         self._held: Array = np.zeros(n)  # torques that hold the last correction, and their change
         self._slope: Array = np.zeros(n)
         self._mass: Array | None = None
-        self.slowest_mode = 0.0  # rad/s, where the run starts
         # s and f + s as linear functions of the state; only the mass changes them later
         self._own: Array = np.zeros((n, 5 * n + 1))
         self._own[:, :n] = np.diag(-k)
@@ -121,10 +120,7 @@ class SpringLaw:
         n, h = len(mass), self.time_step
         if self.integrator == "explicit":
             return
-        if self._mass is None:
-            modes = natural_frequencies(mass, self.springs.stiffness)
-            self.slowest_mode = float(modes[0])
-        else:
+        if self._mass is not None:
             # f, measured with the old matrix, shall not jump
             change = self.rates - self._previous_rates
             self._previous_torques += (mass - self._mass) @ change / h
@@ -225,36 +221,3 @@ def _between(outer: Array, mass: Array, share: Array) -> Array:
     """Return O (M + S)⁻¹ S, shape (n, n), of diagonals O and S that are multiples of each other."""
     product: Array = outer[:, np.newaxis] * np.linalg.inv(mass + np.diag(share)) * share
     return product
-
-
-def natural_frequencies(mass: Array, stiffness: Array) -> Array:
-    """Return the undamped natural frequencies [rad/s], lowest first, of M q'' + K q = 0."""
-    scale = 1 / np.sqrt(np.diag(mass))
-    root = np.linalg.cholesky(mass * np.outer(scale, scale))
-    weighted = np.linalg.solve(root, np.diag(stiffness * scale * scale))
-    symmetric = np.linalg.solve(root, weighted.T)
-    squares = np.linalg.eigvalsh((symmetric + symmetric.T) / 2)
-    frequencies: Array = np.sqrt(np.maximum(squares, 0.0))
-    return frequencies
-
-
-def largest_explicit_step(mass: Array, stiffness: Array, damping: Sequence[float] | Array) -> float:
-    """Return the largest stable step [s] of the explicit law; infinity without springs.
-
-    The linearised chain is stable exactly while 4 M - 2 h D - h² K, the characteristic matrix
-    M (z - 1)² + h D (z - 1) + h² K z at z = -1, is positive definite.
-    """
-    d, k = np.diag(np.asarray(damping)), np.diag(stiffness)
-    if not (d.any() or k.any()):
-        return float("inf")
-
-    def is_stable(h: float) -> bool:
-        return bool(np.linalg.eigvalsh(4 * mass - 2 * h * d - h * h * k)[0] > 0)
-
-    low, high = 0.0, 1.0
-    while is_stable(high):
-        low, high = high, 2 * high
-    for _ in range(60):
-        middle = (low + high) / 2
-        low, high = (middle, high) if is_stable(middle) else (low, middle)
-    return low

@@ -11,7 +11,8 @@ import numpy as np
 from somo_cli.manipulator import geometry
 from somo_cli.problems import SimulationDiverged
 from somo_cli.simulation.plan import Body, Plan
-from somo_cli.simulation.springs import Array, Springs, largest_explicit_step
+from somo_cli.simulation.springs import Array, Springs
+from somo_cli.simulation.vibration import largest_explicit_step
 
 ANGLE_PER_STEP = math.pi  # rad; beyond, a joint's motion cannot be told from its alias
 ENERGY_RATIO = 4.0  # to what was put in; an integrator at its accuracy limit stays well below 2

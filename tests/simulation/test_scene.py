@@ -37,6 +37,7 @@ def test_what_is_assumed() -> None:
         "scale": Scale(1.0, 1.0),
         "every": 1,
         "reference": None,
+        "is_step_chosen": False,
         "columns": ("joint_angles", "tip_position"),
     }
     (one,) = found.manipulators

@@ -5,12 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from somo_cli.simulation.springs import (
-    SpringLaw,
-    Springs,
-    largest_explicit_step,
-    natural_frequencies,
-)
+from somo_cli.simulation.springs import SpringLaw, Springs
 
 H = 1e-2
 RANDOM = np.random.default_rng(7)
@@ -184,33 +179,3 @@ def test_the_limits_are_those_of_backward_euler() -> None:
     assert (damped, implicit) == pytest.approx((1e12, 1e12), rel=1e-9)
     damped, implicit = one_mode(1e12, 0.0)
     assert (damped, implicit) == pytest.approx((1e12, 1e12), rel=1e-9)
-
-
-def test_natural_frequencies_solve_the_generalised_eigenproblem() -> None:
-    mass, stiffness = inertia(5), RANDOM.uniform(1, 5, 5)
-    squares = np.sort(np.linalg.eigvals(np.linalg.solve(mass, np.diag(stiffness))).real)
-    assert natural_frequencies(mass, stiffness) == pytest.approx(np.sqrt(squares))
-
-
-@pytest.mark.parametrize("zeta", [0.0, 0.1, 1.0, 5.0])
-def test_the_explicit_limit_of_one_mode(zeta: float) -> None:
-    """Of x'' + 2 ζ ω x' + ω² x = 0 under symplectic Euler: h ω = 2 (√(1 + ζ²) - ζ)."""
-    omega = 7.0
-    step = largest_explicit_step(np.eye(1), np.array([omega**2]), [2 * zeta * omega])
-    assert step * omega == pytest.approx(2 * (np.sqrt(1 + zeta**2) - zeta), rel=1e-9)
-
-
-def test_without_springs_every_explicit_step_is_stable() -> None:
-    assert largest_explicit_step(np.eye(2), np.zeros(2), [0.0, 0.0]) == float("inf")
-
-
-def test_the_explicit_limit_is_where_the_recursion_starts_to_grow() -> None:
-    mass, own = inertia(4), springs(4)
-    limit = largest_explicit_step(mass, own.stiffness, own.damping)
-    for factor, is_stable in ((0.999, True), (1.001, False)):
-        h = factor * limit
-        inverse = np.linalg.inv(mass)
-        on_angles = -h * inverse @ np.diag(own.stiffness)
-        on_rates = np.eye(4) - h * inverse @ np.diag(own.damping)
-        step = np.block([[np.eye(4) + h * on_angles, h * on_rates], [on_angles, on_rates]])
-        assert (np.abs(np.linalg.eigvals(step)).max() <= 1) == is_stable

@@ -1,0 +1,192 @@
+"""What makes a body hard for the engine: findings with the number that would be right."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from somo_cli.document.parse import Document
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator.chain import Chain
+from somo_cli.manipulator.definition import MAXIMUM_JOINTS
+from somo_cli.manipulator.solids import Box, Cylinder, Solid
+from somo_cli.problems import Pointer, Problem
+from somo_cli.simulation.dynamics import ChainDynamics
+from somo_cli.simulation.plan import Body, Plan
+from somo_cli.simulation.springs import Array
+
+MASS_RATIO = 1e3  # between neighbours: beyond, rounding takes three digits of the lighter one
+SMALLEST = 0.1  # engine units; Bullet's collision margins are 0.04
+LARGEST_INERTIA = 1.0  # engine units, in turned axes; see BulletBody.mass_matrix
+FROZEN = 2.2e-16  # engine units: Bullet takes a joint inertia below it for none
+MANY_JOINTS = 100
+
+
+def findings(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterator[Problem]:
+    """Yield what is hard about a body, whose manipulator is at a pointer of the document."""
+    definition: Pointer = (*at, "definition")
+    yield from _masses(body, document, definition)
+    yield from _inertias(plan, body, document, definition)
+    yield from _rows(body, document, definition)
+    if len(plan.bodies) > 1:
+        yield from _sizes(plan, body, document, definition)
+    count = len(body.chain.joints)
+    if count > MANY_JOINTS:
+        yield Problem(
+            document.span((*definition, "actuator_definitions"), key=True),
+            f"{count} of the {MAXIMUM_JOINTS} joints that a body may have",
+            severity="info",
+            code="many-joints",
+        )
+
+
+def _masses(body: Body, document: Document, at: Pointer) -> Iterator[Problem]:
+    masses = [link.inertial.mass for link in body.chain.links]
+    first = 1 if body.base == "static" else 0  # a base that cannot move has no mass
+    for index in range(first, len(masses) - 1):
+        light, heavy = sorted((index, index + 1), key=lambda link: masses[link])
+        ratio = masses[heavy] / masses[light]
+        if ratio > MASS_RATIO:
+            names = [body.chain.links[link].name for link in (heavy, light)]
+            yield Problem(
+                document.span(_place_of(body.chain, document, at, light)),
+                f"{names[0]} is {ratio:.3g} times as heavy as its neighbour {names[1]}",
+                f"a ratio below {MASS_RATIO:g} keeps its digits: make {names[1]} heavier than "
+                f"{masses[heavy] / MASS_RATIO:.3g} engine units of mass",
+                "warning",
+                "mass-ratio",
+            )
+            return
+
+
+def _inertias(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterator[Problem]:
+    for index, link in enumerate(body.chain.links):
+        moments = geometry.principal_moments(link.inertial.inertia)
+        _, xy, xz, _, yz, _ = link.inertial.inertia
+        is_turned = max(map(abs, (xy, xz, yz))) > 1e-12 * moments[2]
+        if is_turned and moments[2] > LARGEST_INERTIA:
+            mass = plan.scale.mass * _one_digit_below(LARGEST_INERTIA / moments[2])
+            yield Problem(
+                document.span(_place_of(body.chain, document, at, index)),
+                f"the inertia of {link.name} is {moments[2]:.3g} engine units in turned axes, "
+                "which the engine's dynamics may refuse",
+                f"world_scale: {{length: {plan.scale.length:g}, mass: {mass:g}}} changes no result",
+                "warning",
+                "large-inertia",
+            )
+            break
+    chain = ChainDynamics(body.chain)
+    inertia = chain.at(body.start.angles).joint_inertia(body.base == "free")
+    try:
+        # what a joint feels when those beyond it give way: D of Featherstone's L' D L
+        felt = np.diag(np.linalg.cholesky(inertia[::-1, ::-1]))[::-1] ** 2
+    except np.linalg.LinAlgError:
+        yield Problem(
+            document.span(at),
+            f"the inertia of '{body.name}' cannot be told from none: its masses differ too much",
+            "make the lightest links heavier, or the chain shorter",
+            code="no-inertia",
+        )
+        return
+    least = int(np.argmin(felt))
+    if felt[least] < FROZEN:
+        needed = _one_digit_above(FROZEN / felt[least]) * 10
+        yield Problem(
+            document.span(at),
+            f"joint '{body.chain.joints[least].name}' moves {felt[least]:.2g} engine units of "
+            f"inertia; the engine takes less than {FROZEN:g} for none, and holds the joint",
+            f"world_scale: {{length: {plan.scale.length:g}, mass: {plan.scale.mass * needed:g}}} "
+            "changes no result",
+            code="frozen-joint",
+        )
+
+
+def _rows(body: Body, document: Document, at: Pointer) -> Iterator[Problem]:
+    joints = body.chain.joints
+    rubbing = sum(joint.friction > 0 for joint in joints)
+    if rubbing:
+        yield Problem(
+            document.span((*at, "actuator_definitions"), key=True),
+            f"dry friction costs the engine {rubbing} constraint rows in every step",
+            "leave joint_control_limit_force out if the damping of the springs will do",
+            "info",
+            "friction-rows",
+        )
+    loose = [joint.name for joint in joints if joint.stiffness == 0]
+    if loose:
+        yield Problem(
+            document.span((*at, "actuator_definitions"), key=True),
+            f"{len(loose)} of {len(joints)} joints have no spring, first '{loose[0]}'",
+            severity="info",
+            code="no-spring",
+        )
+
+
+def limits_met(body: Body, swings: Array, document: Document, at: Pointer) -> Iterator[Problem]:
+    """Yield a finding if a joint may reach its limits, its swing [rad] being what is expected."""
+    reached = [
+        joint.name
+        for joint, angle, swing in zip(body.chain.joints, body.start.angles, swings, strict=True)
+        if joint.is_limited and not joint.lower < angle - swing <= angle + swing < joint.upper
+    ]
+    if reached:
+        yield Problem(
+            document.span((*at, "definition", "actuator_definitions"), key=True),
+            f"{len(reached)} joints may reach their limits, first '{reached[0]}': each then costs "
+            "a constraint row, and hits without a bounce",
+            severity="info",
+            code="limits-met",
+        )
+
+
+def _sizes(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterator[Problem]:
+    sizes = [
+        (_smallest(shape.solid), index)
+        for index, link in enumerate(body.chain.links)
+        for shape in link.shapes
+    ]
+    size, index = min(sizes, default=(SMALLEST, 0))
+    if size < SMALLEST:
+        length = _one_digit_above(plan.scale.length * SMALLEST / size)
+        yield Problem(
+            document.span(_place_of(body.chain, document, at, index)),
+            f"the smallest extent of {body.chain.links[index].name} is {size:.3g} engine units, "
+            f"and contact wants {SMALLEST:g}",
+            f"world_scale: {length:g}",
+            "warning",
+            "small-for-contact",
+        )
+
+
+def _smallest(solid: Solid) -> float:
+    if isinstance(solid, Box):
+        return min(solid.size)
+    if isinstance(solid, Cylinder):
+        return min(solid.length, 2 * solid.radius)
+    return 2 * solid.radius
+
+
+def _place_of(chain: Chain, document: Document, at: Pointer, link: int) -> Pointer:
+    """Return where a link of the chain is described."""
+    data = document.at(at)
+    keys = data if isinstance(data, dict) else {}
+    if link == 0 and "base_definition" in keys:
+        return (*at, "base_definition")
+    if link == len(chain.joints):
+        for key in ("tip_definition", "tip_definitions"):
+            if keys.get(key):
+                return (*at, key)
+    actuator = chain.joints[max(0, link - 1)].actuator
+    return (*at, "actuator_definitions", actuator, "link_definition")
+
+
+def _one_digit_below(value: float) -> float:
+    """Return the power of ten that is no larger."""
+    return float(f"1e{int(np.floor(np.log10(value)))}")
+
+
+def _one_digit_above(value: float) -> float:
+    """Return the smallest number of one digit that is no smaller."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(f"{np.ceil(value / power - 1e-9) * power:.6g}")

@@ -1,0 +1,95 @@
+"""What is expected of a scene, as a table and as plain values."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from somo_cli.analysis.numerics import Numerics
+from somo_cli.analysis.stability import Outlook
+from somo_cli.simulation.scene import Integrator
+from somo_cli.simulation.springs import Array
+
+INTEGRATORS: tuple[Integrator, ...] = ("implicit", "euler", "explicit")
+
+
+def table(known: Numerics) -> list[str]:
+    """Return what to print: the modes of every body, then the steps."""
+    lines: list[str] = []
+    for one in known.outlooks:
+        lines += _of_outlook(one)
+        lines.append("")
+    lines.append(f"{'recommended step':34}" + "".join(f"{name:>14}" for name in INTEGRATORS))
+    steps = [f"{known.recommended(name):g} s" for name in INTEGRATORS]
+    lines.append(f"{'':34}" + "".join(f"{step:>14}" for step in steps))
+    plan = known.plan
+    verdict = _verdict(known)
+    lines.append(f"{plan.integrator} at {plan.time_step:g} s: {verdict}")
+    return lines
+
+
+def _verdict(known: Numerics) -> str:
+    plan, limit = known.plan, known.explicit_step
+    if math.isnan(known.error):
+        return "cannot be judged"
+    if plan.integrator == "explicit":
+        if plan.time_step > limit:
+            return f"unstable, {plan.time_step / limit:.3g} times its limit of {limit:.3g} s"
+        stable = f"stable, {plan.time_step / limit:.2g} of its limit of {limit:.3g} s"
+    else:
+        stable = "stable"
+    return f"{stable}; tip error expected below {100 * known.error:.2g} % of the length"
+
+
+def _of_outlook(one: Outlook) -> Iterator[str]:
+    names = list(one.modes)
+    modes = list(one.modes.values())
+    title = f"{one.body.name}: {len(one.body.chain.joints)} joints"
+    yield f"{title:34}" + "".join(f"{name:>14}" for name in names)
+    rows = {
+        "lowest natural frequency [rad/s]": [each.frequencies[0] for each in modes],
+        "                         [Hz]": [each.frequencies[0] / (2 * math.pi) for each in modes],
+        "highest                  [rad/s]": [each.frequencies[-1] for each in modes],
+        "damping ratio, lowest mode": [each.ratios[0] for each in modes],
+        "               highest mode": [each.ratios[-1] for each in modes],
+        "stiffness ratio": [stiffness_ratio(each.frequencies) for each in modes],
+        "largest explicit step [s]": [each.explicit_step for each in modes],
+    }
+    for name, values in rows.items():
+        yield f"  {name:32}" + "".join(f"{value:14.4g}" for value in values)
+
+
+def stiffness_ratio(frequencies: Array) -> float:
+    """Return the ratio of the largest to the smallest squared frequency."""
+    lowest = float(frequencies[0])
+    return float(frequencies[-1]) ** 2 / lowest**2 if lowest > 0 else math.inf
+
+
+def plain(known: Numerics) -> dict[str, object]:
+    """Return what the table says as values for JSON; None where there is no number."""
+    plan = known.plan
+    return {
+        "integrator": plan.integrator,
+        "time_step_s": plan.time_step,
+        "verdict": _verdict(known),
+        "expected_tip_error_relative": _finite(known.error),
+        "explicit_step_s": _finite(known.explicit_step),
+        "recommended_time_step_s": {name: _finite(known.recommended(name)) for name in INTEGRATORS},
+        "manipulators": {
+            one.body.name: {
+                name: {
+                    "frequencies_rad_per_s": modes.frequencies.tolist(),
+                    "damping_ratios": [_finite(value) for value in modes.ratios.tolist()],
+                    "stiffness_ratio": _finite(stiffness_ratio(modes.frequencies)),
+                    "explicit_step_s": _finite(modes.explicit_step),
+                    "topples": modes.topples,
+                }
+                for name, modes in one.modes.items()
+            }
+            for one in known.outlooks
+        },
+    }
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
