@@ -1,0 +1,1 @@
+"""Stiff and extreme cases: which integrator holds, and whether that was predicted."""

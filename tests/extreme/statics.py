@@ -1,0 +1,63 @@
+"""Where a chain comes to rest, and how soon, by arrays alone."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator.kinematics import Pose
+from somo_cli.simulation.dynamics import ChainDynamics, ChainPose
+from somo_cli.simulation.plan import Body, Plan
+from somo_cli.simulation.springs import Array
+
+
+def equilibrium(plan: Plan, angles: Array) -> ChainPose | None:
+    """Return the equilibrium next to these joint angles, by Newton; None where it finds none.
+
+    K (q - q0) = u + gravity; a free base falls with its links, which then feel no gravity.
+    """
+    (body,) = plan.bodies
+    chain = ChainDynamics(body.chain)
+    is_free = body.base == "free"
+    torques = np.zeros(chain.count)
+    for drive in body.drives:
+        torques[list(drive.joints)] += drive.signal.at(0.0)
+    stiffness = np.diag(chain.stiffness)
+    for _ in range(60):
+        pose = chain.at(angles, _base(body))
+        rest = torques - chain.stiffness * (angles - chain.neutral)
+        gradient = stiffness
+        if not is_free:
+            rest = rest + pose.gravity_force(plan.gravity)[6:]
+            gradient = stiffness + pose.gravity_stiffness(plan.gravity)
+        try:
+            change = np.linalg.solve(gradient, rest)
+        except np.linalg.LinAlgError:
+            return None
+        angles = angles + change
+        if np.abs(change).max() < 1e-13 * (1 + np.abs(angles).max()):
+            return chain.at(angles, _base(body))
+    return None
+
+
+def slowest_decay(plan: Plan, pose: ChainPose) -> float:
+    """Return the rate [1/s] of the slowest motion about an equilibrium; negative if it grows."""
+    (body,) = plan.bodies
+    is_free = body.base == "free"
+    mass = pose.joint_inertia(is_free)
+    # about unit masses, so that large and small joints keep their digits
+    scale = 1 / np.sqrt(np.diag(mass))
+    stiffness = np.diag(pose.chain.stiffness)
+    if not is_free:
+        stiffness = stiffness + pose.gravity_stiffness(plan.gravity)
+    unit, k, d = (
+        scale[:, np.newaxis] * matrix * scale
+        for matrix in (mass, stiffness, np.diag(pose.chain.damping))
+    )
+    zero, one = np.zeros_like(k), np.eye(len(k))
+    motion = np.block([[zero, one], [-np.linalg.solve(unit, k), -np.linalg.solve(unit, d)]])
+    return -float(np.linalg.eigvals(motion).real.max())
+
+
+def _base(body: Body) -> Pose:
+    return Pose(body.start.position, geometry.rotation_from_rpy(body.start.rpy))
