@@ -21,6 +21,8 @@ from somo_cli.simulation.world import WorldBody
 
 CALM_REFRESH = 0.03  # rad: the mass matrix is renewed once the joints have moved this far, as the
 SWIFT_REFRESH = 0.015  # root of the sum of squares over the joints
+STALE = 0.25  # what a renewal may change of the inertia of any motion of the joints, at most
+UNEVEN = 0.1  # rad: how far the chain is bent where that is asked
 CALM_PHASE = 0.2  # rad of the slowest mode between two looks: with larger steps no body is calm
 CALM_FALL = 0.25  # rad of the fastest mode of gravity alone in a step: likewise
 CALM_ANGLE = 0.005  # rad per step: a body with a faster joint is not calm
@@ -52,6 +54,7 @@ class Runner:
         self._push_held = self._make_push_held()
         self.push: Callable[[], None] = self._push_swiftly
         """Applies the torques of the law to the world."""
+        self._freshness = 1.0  # times the angles above, where the inertia changes fast
         self._refresh_angle = SWIFT_REFRESH
         self._slowest_mode = self._fastest_fall = math.inf  # rad/s, where the run starts
         self._looked_at: tuple[Array, Array] | None = None  # correction and bias at the last look
@@ -116,7 +119,7 @@ class Runner:
                 (law.correction - self._looked_at[0]) / STEPS_BETWEEN_LOOKS,
             )
         self.push = self._push_held if is_calm else self._push_swiftly
-        self._refresh_angle = CALM_REFRESH if is_calm else SWIFT_REFRESH
+        self._refresh_angle = self._freshness * (CALM_REFRESH if is_calm else SWIFT_REFRESH)
         self._looked_at = law.correction, law.bias
 
     def _is_calm(self, last_correction: Array) -> bool:
@@ -125,7 +128,7 @@ class Runner:
         return (
             STEPS_BETWEEN_LOOKS * law.time_step * self._slowest_mode <= CALM_PHASE
             and law.time_step * self._fastest_fall <= CALM_FALL
-            and self.fastest * law.time_step <= CALM_ANGLE
+            and self.fastest * law.time_step <= CALM_ANGLE * self._freshness
             and float(change.max()) <= CALM_CHANGE * law.time_step**2
         )
 
@@ -196,6 +199,27 @@ class Runner:
         self.law.measure(force, self.world_body.felt_by_joints(bias))
         self._slowest_mode = float(natural_frequencies(self.mass, self.law.springs.stiffness)[0])
         self._fastest_fall = self._gravity_mode()
+        self._freshness = min(1.0, STALE / self._staleness())
+        self._refresh_angle = self._freshness * SWIFT_REFRESH
+
+    def _staleness(self) -> float:
+        """Return the relative change of inertia, of the motion that it changes most, in a renewal.
+
+        Links much lighter than what they carry can move so that the load stays where it is. How
+        changes as the chain bends: a mass matrix that is a little old gives such a motion many
+        times its inertia, or a negative one, which no choice of B withstands. Asked of the chain
+        bent unevenly, since a straight one tells little.
+        """
+        number = np.arange(len(self.law.angles))
+        bent = self.law.angles + UNEVEN * np.sin(1 + 2.7 * number)
+        turn = np.cos(0.5 + 1.9 * number)
+        turn *= CALM_REFRESH / np.linalg.norm(turn)
+        before, after = (
+            self.dynamics().at(angles).joint_inertia(self.body.base == "free")
+            for angles in (bent, bent + turn)
+        )
+        changes = np.linalg.eigvals(np.linalg.solve(before, after - before))
+        return float(np.abs(changes).max()) + np.finfo(np.float64).tiny
 
     def _gravity_mode(self) -> float:
         """Return the highest natural frequency [rad/s] that gravity gives the chain at its start.
