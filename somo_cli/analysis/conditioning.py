@@ -15,11 +15,11 @@ from somo_cli.problems import Pointer, Problem
 from somo_cli.simulation.dynamics import ChainDynamics
 from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.springs import Array
+from somo_cli.simulation.vibration import FROZEN, inertia_felt
 
 MASS_RATIO = 1e3  # between neighbours: beyond, rounding takes three digits of the lighter one
 SMALLEST = 0.1  # engine units; Bullet's collision margins are 0.04
 LARGEST_INERTIA = 1.0  # engine units, in turned axes; see BulletBody.mass_matrix
-FROZEN = 2.2e-16  # engine units: Bullet takes a joint inertia below it for none
 MANY_JOINTS = 100
 
 
@@ -79,8 +79,7 @@ def _inertias(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterat
     chain = ChainDynamics(body.chain)
     inertia = chain.at(body.start.angles).joint_inertia(body.base == "free")
     try:
-        # what a joint feels when those beyond it give way: D of Featherstone's L' D L
-        felt = np.diag(np.linalg.cholesky(inertia[::-1, ::-1]))[::-1] ** 2
+        felt = inertia_felt(inertia)
     except np.linalg.LinAlgError:
         yield Problem(
             document.span(at),

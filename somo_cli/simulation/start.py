@@ -7,9 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from somo_cli.manipulator.geometry import Vector
-from somo_cli.simulation.plan import Plan
+from somo_cli.problems import EngineRefused
+from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.runner import Runner
 from somo_cli.simulation.springs import Array
+from somo_cli.simulation.vibration import FROZEN, inertia_felt
 from somo_cli.simulation.world import World
 
 
@@ -23,6 +25,7 @@ def begin(plan: Plan, world: World, runners: Sequence[Runner]) -> None:
     for runner in runners:
         runner.pull()
         runner.refresh()
+        _refuse_frozen(runner.body, runner.mass)
         runner.mass_at_start = runner.mass
         runner.actuate(0.0)
     if plan.integrator == "explicit":
@@ -41,6 +44,24 @@ def begin(plan: Plan, world: World, runners: Sequence[Runner]) -> None:
         _step_back_half(plan, world, runners, forces, bases)
     for runner, force, before in zip(runners, forces, rates, strict=True):
         runner.begin(force, before)
+
+
+def _refuse_frozen(body: Body, mass: Array) -> None:
+    """Raise EngineRefused for a body of which the engine would hold a joint, without a word."""
+    try:
+        felt = inertia_felt(mass)
+    except np.linalg.LinAlgError:
+        raise EngineRefused(
+            body.name, "its masses differ too much: their inertia is not positive definite"
+        ) from None
+    least = int(np.argmin(felt))
+    if felt[least] < FROZEN:
+        raise EngineRefused(
+            body.name,
+            f"joint '{body.chain.joints[least].name}' moves {felt[least]:.2g} engine units of "
+            f"inertia, and less than {FROZEN:g} does not move at all; the mass factor of "
+            "world_scale changes no result, so choose a larger one",
+        )
 
 
 def _step_back_half(

@@ -9,6 +9,9 @@ import numpy as np
 
 from somo_cli.simulation.springs import Array
 
+FROZEN = 2.2e-16
+"""PyBullet 3.2.7 takes a joint that feels less inertia than this [engine units] to be held."""
+
 
 def natural_frequencies(mass: Array, stiffness: Array) -> Array:
     """Return the natural frequencies [rad/s] without damping, lowest first, shape (n,).
@@ -43,6 +46,16 @@ def largest_explicit_step(mass: Array, stiffness: Array, damping: Sequence[float
         is_stable = np.linalg.eigvalsh(2 * h * d + h * h * k)[-1] < 4
         low, high = (h, high) if is_stable else (low, h)
     return low
+
+
+def inertia_felt(mass: Array) -> Array:
+    """Return what each joint feels when those beyond it give way, shape (n,).
+
+    The diagonal of D in M = Lᵀ D L, which is what the engine divides by: Featherstone, Rigid Body
+    Dynamics Algorithms (2008), sec. 6.5. Raises numpy.linalg.LinAlgError.
+    """
+    felt: Array = np.diag(np.linalg.cholesky(mass[::-1, ::-1]))[::-1] ** 2
+    return felt
 
 
 def normaliser(mass: Array) -> tuple[Callable[[Array], Array], Callable[[Array], Array]]:

@@ -469,3 +469,15 @@ def test_joint_limits_hold() -> None:
     angles = np.array(rows_of(plan, 500))[:, 1:]
     assert angles.max() < 0.105
     assert angles[-1] == pytest.approx([0.1, 0.1], abs=1e-3)
+
+
+@pytest.mark.parametrize(("mass", "is_refused"), [(1e-12, False), (1e-13, True)])
+def test_a_joint_that_the_engine_would_hold_is_refused(mass: float, is_refused: bool) -> None:
+    """Below 2.2e-16 engine units of inertia PyBullet 3.2.7 holds a joint, and says nothing."""
+    scene = scene_from_file("scene.yaml", f"world_scale={{length: 20, mass: {mass}}}")
+    if not is_refused:
+        usual = np.array(rows_of(scene_from_file("scene.yaml"), 20))
+        assert np.array(rows_of(scene, 20)) == pytest.approx(usual, rel=1e-9, abs=1e-12)
+        return
+    with pytest.raises(EngineRefused, match=r"moves 8.3e-17 engine units of inertia"):
+        rows_of(scene, 20)

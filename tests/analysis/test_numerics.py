@@ -1,0 +1,198 @@
+"""Every finding of `check --numerics`: what makes it, where it points, what it advises."""
+
+from __future__ import annotations
+
+import pytest
+
+from somo_cli import loading
+from somo_cli.analysis import outlook_account
+from somo_cli.analysis.numerics import Numerics, judge
+from somo_cli.analysis.trajectory import MOST_POSES, poses_met
+from somo_cli.problems import InvalidFile
+from somo_cli.simulation.plan import make_plan
+from tests.loading import DEFINITIONS, scene_from_file
+
+CUT = "manipulators[0].definition.actuator_definitions[0]"
+HINGES = f"{CUT}.joint_definitions"
+
+
+TWO = "manipulators: [{definition: finger.yaml}, {definition: finger.yaml, name: other}]\n"
+
+
+def judged(name: str, *sets: str) -> Numerics:
+    return judged_text((DEFINITIONS / name).read_text("utf-8"), name, *sets)
+
+
+def judged_text(text: str, name: str = "test.yaml", *sets: str) -> Numerics:
+    document = loading.load_text(text, str(DEFINITIONS / name), sets)
+    scene, _ = loading.scene_of(document)
+    return judge(make_plan(scene), loading.as_scene(document), {})
+
+
+def codes(known: Numerics) -> dict[str, str]:
+    return {finding.code: finding.severity for finding in known.findings}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "scene.yaml",
+        "arm_scene.yaml",
+        "cantilever_scene.yaml",
+        "planar_finger_scene.yaml",
+        "snake_scene.yaml",
+        "three_axis_finger_scene.yaml",
+    ],
+)
+def test_shipped_scenes_are_fit_to_run(name: str) -> None:
+    found = codes(judged(name))
+    assert set(found.values()) <= {"info"}
+
+
+@pytest.mark.parametrize(
+    ("sets", "code", "severity", "advice"),
+    [
+        (("integrator=explicit",), "explicit-step-too-long", "error", "time_step: 0.0002"),
+        (
+            ("integrator=explicit", "time_step=3.6e-4"),
+            "explicit-step-near-limit",
+            "warning",
+            "time_step: 0.0002",
+        ),
+        (("integrator=euler",), "inaccurate-step", "warning", "integrator: implicit with"),
+        (("time_step=0.05",), "inaccurate-step", "warning", "time_step: 0.01"),
+        (("time_step=2e-3",), "unresolved-modes", "info", "below 0.002 s"),
+        (
+            ("manipulators[0].definition.tip_definition.mass=30",),
+            "topples",
+            "warning",
+            "stiffen its springs",
+        ),
+        (
+            ("manipulators[0].definition.tip_definition.mass=30",),
+            "mass-ratio",
+            "warning",
+            "heavier than 0.03",
+        ),
+        ((f"{HINGES}[0].joint_control_limit_force=0.001",), "friction-rows", "info", "damping"),
+        ((f"{HINGES}[1].spring_stiffness=0",), "no-spring", "info", ""),
+        ((f"{HINGES}[0].limits=[-0.01, 0.01, 1, 1]",), "limits-met", "info", ""),
+        (
+            (f"{CUT}.n_segments=110", f"{CUT}.link_definition.dimensions[2]=0.001"),
+            "many-joints",
+            "info",
+            "",
+        ),
+        (("world_scale={length: 20, mass: 1e-14}",), "frozen-joint", "error", "world_scale: {"),
+        (
+            (
+                "world_scale={length: 20, mass: 1e6}",
+                "manipulators[0].definition.tip_definition.origin_offset=[0, 0, 0, 0.5, 0, 0]",
+                "manipulators[0].definition.tip_definition.shape_type=box",
+                "manipulators[0].definition.tip_definition.dimensions=[0.01, 0.02, 0.03]",
+            ),
+            "large-inertia",
+            "warning",
+            "mass: ",
+        ),
+    ],
+)
+def test_every_finding(sets: tuple[str, ...], code: str, severity: str, advice: str) -> None:
+    found = [one for one in judged("scene.yaml", *sets).findings if one.code == code]
+    assert [one.severity for one in found] == [severity]
+    assert advice in found[0].hint
+    assert not found[0].message[0].isupper()
+    assert not found[0].message.endswith(".")
+
+
+def test_findings_point_to_what_they_are_about() -> None:
+    found = judged("scene.yaml", "integrator=explicit").findings
+    (limit,) = (one.span for one in found if one.code == "explicit-step-too-long")
+    assert (limit.source, limit.line) == (str(DEFINITIONS / "scene.yaml"), 6)
+    found = judged("scene.yaml", "manipulators[0].definition.tip_definition.mass=30").findings
+    (heavy,) = (one.span for one in found if one.code == "mass-ratio")
+    assert heavy.source == str(DEFINITIONS / "finger.yaml")
+
+
+def test_small_bodies_are_found_only_where_something_can_touch() -> None:
+    alone = judged("finger.yaml", "world_scale=1")
+    assert "small-for-contact" not in codes(alone)
+    found = judged_text(TWO + "world_scale: 1\n").findings
+    advised = [one for one in found if one.code == "small-for-contact"]
+    assert len(advised) == 2
+    assert advised[0].hint == "world_scale: 20"  # half a link is 5 mm
+    found = judged_text(TWO + "world_scale: 20\n").findings
+    assert not [one for one in found if one.code == "small-for-contact"]
+
+
+def test_the_advice_for_a_frozen_joint_cures_it() -> None:
+    known = judged("scene.yaml", "world_scale={length: 20, mass: 1e-14}")
+    (frozen,) = (one for one in known.findings if one.code == "frozen-joint")
+    scale = frozen.hint.removesuffix(" changes no result").replace("world_scale: ", "world_scale=")
+    assert "frozen-joint" not in codes(judged("scene.yaml", scale))
+
+
+def test_a_body_without_inertia_is_said_to_have_none() -> None:
+    known = judged(
+        "scene.yaml",
+        f"{CUT}.link_definition.mass=1e-12",
+        "manipulators[0].definition.tip_definition.mass=1e12",
+    )
+    assert codes(known).get("no-inertia", codes(known).get("frozen-joint")) == "error"
+
+
+def test_the_table_and_the_values_tell_the_same() -> None:
+    known = judged("scene.yaml")
+    told = outlook_account.plain(known)
+    lines = "\n".join(outlook_account.table(known))
+    assert told["recommended_time_step_s"] == {"implicit": 0.01, "euler": 1e-4, "explicit": 2e-4}
+    assert told["explicit_step_s"] == known.explicit_step
+    assert f"{known.explicit_step:.4g}" in lines
+    assert "implicit at 0.001 s: stable; tip error expected below 0.0054 % of the length" in lines
+    frequencies = told["manipulators"]["finger"]["start"]["frequencies_rad_per_s"]  # type: ignore[index]
+    assert len(frequencies) == 10
+
+
+def header() -> str:
+    plan = make_plan(scene_from_file("scene.yaml"))
+    joints = plan.bodies[0].chain.joints
+    return ",".join(["time_s", *(f"finger.{joint.name}.angle_rad" for joint in joints)])
+
+
+def test_poses_are_read_from_a_recorded_run() -> None:
+    plan = make_plan(scene_from_file("scene.yaml"))
+    rows = [",".join([str(number), *["0.25"] * 10]) for number in range(3 * MOST_POSES)]
+    found = poses_met([header(), *rows], "run.csv", plan)["finger"]
+    assert MOST_POSES / 2 <= len(found) <= MOST_POSES
+    assert found[0][1].tolist() == [0.25] * 10
+    assert found[0][0].position == (0.0, 0.0, 0.0)
+
+
+def test_the_base_is_where_the_run_had_it() -> None:
+    plan = make_plan(scene_from_file("scene.yaml"))
+    base = [f"finger.base_pose.{name}" for name in ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")]
+    lines = [",".join([header(), *base]), ",".join(["0", *["0"] * 10, "1", "2", "3", "1,0,0,0"])]
+    ((pose, _),) = poses_met(lines, "run.csv", plan)["finger"]
+    assert pose.position == (20.0, 40.0, 60.0)  # the scene's world scale is 20
+    assert pose.rotation[1][1] == pytest.approx(-1)
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        (["time_s,x", "0,1"], "run.csv:1:1: error: there is no column 'finger.actuator_0_joint_01"),
+        ([], "run.csv:1:1: error: there is no column"),
+        ([header()], "run.csv:1:1: error: there is no row"),
+        ([header(), "0" + ",0" * 9], "run.csv:2:1: error: 10 values for 11 columns"),
+        (
+            [header(), "0" + ",0" * 10, "0,x" + ",0" * 9, "0,nan" + ",0" * 9],
+            "run.csv:3:1: error: could not convert string to float: 'x'\n"
+            "run.csv:4:1: error: a value is not finite",
+        ),
+    ],
+)
+def test_a_file_that_is_no_such_run(lines: list[str], message: str) -> None:
+    plan = make_plan(scene_from_file("scene.yaml"))
+    with pytest.raises(InvalidFile) as caught:
+        poses_met(lines, "run.csv", plan)
+    assert str(caught.value).startswith(message)
