@@ -11,6 +11,7 @@ import numpy as np
 
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
+from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.dynamics import ChainDynamics
 from somo_cli.simulation.loads import BodyLoads
 from somo_cli.simulation.plan import Body, Plan
@@ -25,6 +26,7 @@ STALE = 0.25  # what a renewal may change of the inertia of any motion of the jo
 UNEVEN = 0.1  # rad: how far the chain is bent where that is asked
 CALM_PHASE = 0.2  # rad of the slowest mode between two looks: with larger steps no body is calm
 CALM_FALL = 0.25  # rad of the fastest mode of gravity alone in a step: likewise
+SWIFT_FALL = 1.0  # rad, likewise: with larger steps gravity is in part implicit
 CALM_ANGLE = 0.005  # rad per step: a body with a faster joint is not calm
 CALM_CHANGE = 3.0  # rad/s²: times the step squared, what holding may cost in a block [rad]
 STEPS_BETWEEN_LOOKS = 8
@@ -54,6 +56,8 @@ class Runner:
         self._push_held = self._make_push_held()
         self.push: Callable[[], None] = self._push_swiftly
         """Applies the torques of the law to the world."""
+        self._is_heavy = False  # whether gravity alone would be too fast for the step
+        self._gravity = plan.gravity
         self._freshness = 1.0  # times the angles above, where the inertia changes fast
         self._refresh_angle = SWIFT_REFRESH
         self._slowest_mode = self._fastest_fall = math.inf  # rad/s, where the run starts
@@ -188,19 +192,36 @@ class Runner:
         """Renew the mass matrix for the present angles."""
         self._mass_angles = self.law.angles.copy()
         self.mass = self.world_body.mass_matrix(self._mass_angles.tolist())
+        if self._is_heavy:
+            self.law.pendulum = self._pendulum()
         self.law.refresh(self.mass)
         block = STEPS_BETWEEN_LOOKS * self.law.time_step
         self._resistance = np.diag(self.mass) / block**2
+
+    def assess(self) -> None:
+        """Ask, at the start, for what decides how the body is to be followed."""
+        self._slowest_mode = float(natural_frequencies(self.mass, self.law.springs.stiffness)[0])
+        self._fastest_fall = self._gravity_mode()
+        self._is_heavy = self.law.time_step * self._fastest_fall > SWIFT_FALL
+        self._freshness = min(1.0, STALE / self._staleness())
+        self._refresh_angle = self._freshness * SWIFT_REFRESH
+        if self._is_heavy:
+            self.refresh()
 
     def begin(self, force: Array, rates: Array) -> None:
         """Take the force on the joints that was measured at the start, at these rates."""
         spin = self.body.start.angular_velocity
         bias = self.world_body.bias(self.law.angles.tolist(), rates.tolist(), spin)
         self.law.measure(force, self.world_body.felt_by_joints(bias))
-        self._slowest_mode = float(natural_frequencies(self.mass, self.law.springs.stiffness)[0])
-        self._fastest_fall = self._gravity_mode()
-        self._freshness = min(1.0, STALE / self._staleness())
-        self._refresh_angle = self._freshness * SWIFT_REFRESH
+
+    def _pendulum(self) -> Array:
+        """Return the positive part of the joint stiffness of gravity, shape (n, n)."""
+        start = self.body.start
+        base = Pose(start.position, geometry.rotation_from_rpy(start.rpy))
+        stiffness = self.dynamics().at(self.law.angles, base).gravity_stiffness(self._gravity)
+        values, vectors = np.linalg.eigh(stiffness)
+        positive: Array = (vectors * np.maximum(values, 0.0)) @ vectors.T
+        return positive
 
     def _staleness(self) -> float:
         """Return the relative change of inertia, of the motion that it changes most, in a renewal.

@@ -31,6 +31,10 @@ inverse dynamics at q, the half step is made up for by acting as if u were large
 
     c(v) - c(v + h/2 a),  and f by  c_prev - c(v), where it is a step old.
 
+f holds gravity, too, whose stiffness G is that of a pendulum. Where a step does not resolve the
+pendulum, N and B get what G would give them if it were a spring with β = 1/2, and f is left as it
+is: h²/2 G is another O(h²) in B, and changes no equilibrium.
+
 `SpringLaw.correct` does so in full; `SpringLaw.hold` goes on from the last two, which is enough,
 and still second order, where a few steps turn no joint far.
 
@@ -101,6 +105,7 @@ class SpringLaw:
         self.bias: Array | None = None  # at the start of the last step, if it was corrected
         self._held: Array = np.zeros(n)  # torques that hold the last correction, and their change
         self._slope: Array = np.zeros(n)
+        self.pendulum: Array | None = None  # G, (n, n), positive; None where steps resolve it
         self._mass: Array | None = None
         # s and f + s as linear functions of the state; only the mass changes them later
         self._own: Array = np.zeros((n, 5 * n + 1))
@@ -142,13 +147,25 @@ class SpringLaw:
         if self.integrator == "explicit":
             return np.diag(d), np.zeros_like(mass)
         if self.integrator == "euler":
-            return np.diag(d + h * k), np.diag(h * d + h * h * k)
+            return self._with_pendulum(mass, np.diag(d + h * k), np.diag(h * d + h * h * k))
         share = FILTER * h * h * k
         damping = np.diag(d) + h * _between(k, mass, share)
         # from P M⁻¹ P / 12 in slow modes to P / 2 in stiff ones: the other halves of h D and h² K
         p = h * d + 2 * STIFF * h * h * k
         stiff = 0.5 * _between(p, mass, 2 * DAMPER * p)
-        return damping, np.diag(BETA * h * h * k) + 0.5 * h * damping + stiff
+        implicit = np.diag(BETA * h * h * k) + 0.5 * h * damping + stiff
+        return self._with_pendulum(mass, damping, implicit)
+
+    def _with_pendulum(self, mass: Array, damping: Array, implicit: Array) -> tuple[Array, Array]:
+        """Return D + N and B with the parts of G."""
+        if self.pendulum is None:
+            return damping, implicit
+        h, g = self.time_step, self.pendulum
+        numerical = h * g
+        if self.integrator == "implicit":
+            share = FILTER * h * h * g
+            numerical = numerical @ np.linalg.solve(mass + share, share)
+        return damping + numerical, implicit + 0.5 * h * numerical + 0.5 * h * h * g
 
     def measure(self, force: Array, bias: Array | None = None) -> None:
         """Take f, the generalised force on the joints that is not ours, as the last step's.

@@ -30,6 +30,8 @@ def begin(plan: Plan, world: World, runners: Sequence[Runner]) -> None:
         runner.actuate(0.0)
     if plan.integrator == "explicit":
         return
+    for runner in runners:
+        runner.assess()
     bases = [runner.world_body.base_velocity() for runner in runners]
     rates = [runner.law.rates.copy() for runner in runners]
     forces = []

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from somo_cli.analysis.numerics import judge
 from tests.extreme.case import Case
 from tests.extreme.edge import MARGIN, Edge, edge
-from tests.extreme.trial import Outcome, outcome
+from tests.extreme.trial import TOO_FAST, Outcome, outcome
 
 SMALLEST = 1e-9  # figures below it are rounding, which differs from machine to machine
 HEADER = ("case", "implicit", "euler", "explicit", "limit", "said beforehand")
@@ -33,7 +33,18 @@ class Verdict:
     def is_hole(self) -> bool:
         """Whether a damped case fails under an integrator that is made for it."""
         runs = (self.implicit, self.euler)
-        return self.case.is_damped and not all(_is_well(one) for one in runs)
+        return self.case.is_damped and any(_fails(one) for one in runs)
+
+    @property
+    def is_surprise(self) -> bool:
+        """Whether it cannot be simulated, for whatever reason, and nothing says so beforehand."""
+        runs = (self.implicit, self.euler)
+        return not self.said and not all(one.is_stable for one in runs)
+
+    @property
+    def is_too_fast(self) -> bool:
+        """Whether implicit or euler stopped at a motion that no step of this length follows."""
+        return self.implicit.is_too_fast or self.euler.is_too_fast
 
     @property
     def agrees(self) -> bool:
@@ -82,7 +93,12 @@ def summary(verdicts: Sequence[Verdict]) -> str:
     damped = [one for one in verdicts if one.case.is_damped]
     lines = [
         f"{len(verdicts)} cases, {len(damped)} of them damped",
-        f"damped cases that implicit or euler do not bring through: {_counted(verdicts)}",
+        "damped cases in which implicit or euler fail: "
+        + _listed(one for one in verdicts if one.is_hole),
+        f"cases that turn a joint by more than {TOO_FAST:g} rad in a step: "
+        + _listed(one for one in verdicts if one.is_too_fast),
+        "cases that cannot be simulated, which `somo check --numerics` does not say: "
+        + _listed(one for one in verdicts if one.is_surprise),
         f"explicit is as predicted at its own step in "
         f"{sum(one.agrees for one in verdicts)} of {len(verdicts)}",
         f"explicit holds at the predicted limit / {MARGIN} in "
@@ -95,20 +111,21 @@ def summary(verdicts: Sequence[Verdict]) -> str:
     return "".join(f"{line}\n" for line in lines)
 
 
-def _counted(verdicts: Iterable[Verdict]) -> str:
-    names = [one.case.name for one in verdicts if one.is_hole]
+def _listed(verdicts: Iterable[Verdict]) -> str:
+    names = [one.case.name for one in verdicts]
     return f"{len(names)}" + "".join(f"\n  {name}" for name in names)
 
 
-def _is_well(run: Outcome) -> bool:
-    return run.is_stable and not run.is_restless and not run.gains
+def _fails(run: Outcome) -> bool:
+    has_diverged = run.diverged is not None and not run.is_too_fast
+    return has_diverged or run.is_restless or run.gains
 
 
 def _told(run: Outcome) -> str:
     if run.refused is not None:
         return "refused"
     if run.diverged is not None:
-        return "diverges"
+        return "too fast" if run.is_too_fast else "diverges"
     words = []
     if run.is_restless:
         words.append(f"restless {_decade(run.apart or 0.0)}")
