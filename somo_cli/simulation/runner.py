@@ -50,7 +50,8 @@ class Runner:
         self.fastest = 0.0  # rad/s
         self._mass_angles: Array = np.zeros(0)
         self._push_held = self._make_push_held()
-        self.push: Callable[[], None] = self._push_swiftly
+        is_explicit = plan.integrator == "explicit"
+        self.push: Callable[[], None] = self._push_held if is_explicit else self._push_swiftly
         """Applies the torques of the law to the world."""
         self._refresh_angle = SWIFT_REFRESH
         self._slowest_mode = self._fastest_fall = math.inf  # rad/s, where the run starts
@@ -104,7 +105,6 @@ class Runner:
         law = self.law
         self.refresh_if_moved()
         if law.integrator == "explicit":
-            self.push = self._push_held
             self.push()
             return
         self._push_corrected()
