@@ -19,7 +19,7 @@ ifneq ($(PYTHON),$(shell cat $(READY) 2>/dev/null))
 endif
 endif
 
-.PHONY: all help sync demo test test-all check format golden bench extreme build clean
+.PHONY: all help sync demo test test-all check format golden bench truth extreme build clean
 .DELETE_ON_ERROR:
 
 all: help
@@ -81,6 +81,9 @@ bench: sync ## measure speed, start-up, error against run time, stability, physi
 	$(RUN) tests.bench.stability
 	$(RUN) tests.bench.physics
 	$(RUN) tests.bench.startup
+
+truth: sync ## hold results against theory and MuJoCo, all in one table
+	$(RUN) tests.truth
 
 extreme: sync ## run stiff and extreme cases (minutes), and compare with the matrix of before
 	$(RUN) tests.extreme

@@ -54,7 +54,8 @@ class Runner:
         self.fastest = 0.0  # rad/s
         self._mass_angles: Array = np.zeros(0)
         self._push_held = self._make_push_held()
-        self.push: Callable[[], None] = self._push_swiftly
+        is_explicit = plan.integrator == "explicit"
+        self.push: Callable[[], None] = self._push_held if is_explicit else self._push_swiftly
         """Applies the torques of the law to the world."""
         self._is_heavy = False  # whether gravity alone would be too fast for the step
         self._gravity = plan.gravity
@@ -111,7 +112,6 @@ class Runner:
         law = self.law
         self.refresh_if_moved()
         if law.integrator == "explicit":
-            self.push = self._push_held
             self.push()
             return
         self._push_corrected()

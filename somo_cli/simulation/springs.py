@@ -81,7 +81,7 @@ class Springs:
 
 
 class SpringLaw:
-    """The law of one body as one matrix-vector product a step.
+    """The law of one body, in most steps as one matrix-vector product.
 
     `state` stacks q, v, v_prev, τ_prev, u and a one, shape (5 n + 1,): write q and v into
     its first 2 n numbers, set `actuation` when it changes, then call `correct`, or what
@@ -107,6 +107,7 @@ class SpringLaw:
         self._slope: Array = np.zeros(n)
         self.pendulum: Array | None = None  # G, (n, n), positive; None where steps resolve it
         self._mass: Array | None = None
+        self._prepare()
         # s and f + s as linear functions of the state; only the mass changes them later
         self._own: Array = np.zeros((n, 5 * n + 1))
         self._own[:, :n] = np.diag(-k)
@@ -116,48 +117,41 @@ class SpringLaw:
         self._all = self._own.copy()
         self._all[:, 3 * n : 4 * n] = -np.eye(n)
         self._to_torques: Array = self._own.copy()
-        self._to_half_change: Array = np.zeros((n, 5 * n + 1))  # h/2 a
-        self._rest: Array = np.eye(n)  # 1 - R
+        self._present_damping: Array = self._damping
+        self._is_laid_out = True  # whether the product is that of the present mass
+        self._response: Array = np.zeros((n, n))  # (M + B)⁻¹
+        self._implicit: Array = self._centred
+        self._at_rest: Array = k * springs.neutral
         self._torques: Array = np.zeros(n)
 
     def refresh(self, mass: Array) -> None:
         """Take the joint-space inertia M, shape (n, n), of the present pose."""
-        n, h = len(mass), self.time_step
         if self.integrator == "explicit":
             return
         if self._mass is not None:
             # f, measured with the old matrix, shall not jump
             change = self.rates - self._previous_rates
-            self._previous_torques += (mass - self._mass) @ change / h
+            self._previous_torques += (mass - self._mass).dot(change) / self.time_step
         self._mass = mass
-        damping, implicit = self.implicit_parts(mass)
-        np.negative(damping, self._own[:, n : 2 * n])
-        inverse = np.linalg.inv(mass + implicit)
-        by_step = mass / h
+        self._present_damping, self._implicit = self.implicit_parts(mass)
+        self._response = np.asarray(np.linalg.inv(mass + self._implicit), dtype=np.float64)
+        self._is_laid_out = False
+
+    def _lay_out(self) -> None:
+        """Make the one product of the present mass, which is worth it where it serves for long."""
+        assert self._mass is not None, "refresh comes first"
+        n = len(self._mass)
+        np.negative(self._present_damping, self._own[:, n : 2 * n])
+        by_step = self._mass / self.time_step
         self._all[:, n : 2 * n] = self._own[:, n : 2 * n] + by_step
         np.negative(by_step, self._all[:, 2 * n : 3 * n])
-        acceleration = inverse.dot(self._all)
-        np.multiply(acceleration, 0.5 * h, self._to_half_change)
-        np.subtract(self._own, implicit @ acceleration, self._to_torques)
-        self._rest = self._to_torques[:, 4 * n : 5 * n]
+        share = self._implicit.dot(self._response)
+        np.subtract(self._own, share.dot(self._all), self._to_torques)
+        self._is_laid_out = True
 
     def implicit_parts(self, mass: Array) -> tuple[Array, Array]:
         """Return D + N [N·m·s/rad] and B [kg·m²] for an inertia M, all of shape (n, n)."""
-        h, k, d = self.time_step, self.springs.stiffness, self.springs.damping
-        if self.integrator == "explicit":
-            return np.diag(d), np.zeros_like(mass)
-        if self.integrator == "euler":
-            return self._with_pendulum(mass, np.diag(d + h * k), np.diag(h * d + h * h * k))
-        share = FILTER * h * h * k
-        damping = np.diag(d) + h * _between(k, mass, share)
-        # from P M⁻¹ P / 12 in slow modes to P / 2 in stiff ones: the other halves of h D and h² K
-        p = h * d + 2 * STIFF * h * h * k
-        stiff = 0.5 * _between(p, mass, 2 * DAMPER * p)
-        implicit = np.diag(BETA * h * h * k) + 0.5 * h * damping + stiff
-        return self._with_pendulum(mass, damping, implicit)
-
-    def _with_pendulum(self, mass: Array, damping: Array, implicit: Array) -> tuple[Array, Array]:
-        """Return D + N and B with the parts of G."""
+        damping, implicit = self._parts_of_springs(mass)
         if self.pendulum is None:
             return damping, implicit
         h, g = self.time_step, self.pendulum
@@ -166,6 +160,36 @@ class SpringLaw:
             share = FILTER * h * h * g
             numerical = numerical @ np.linalg.solve(mass + share, share)
         return damping + numerical, implicit + 0.5 * h * numerical + 0.5 * h * h * g
+
+    def _parts_of_springs(self, mass: Array) -> tuple[Array, Array]:
+        """Return what of D + N and B the joints' own springs and dampers have."""
+        if self.integrator != "implicit":
+            return self._damping, self._centred
+        # the two resolvents at once, because numpy's calls cost more than their work
+        resolvents = np.linalg.inv(mass + self._shares)
+        resolvents *= self._products
+        numerical, stiff = resolvents
+        centred = self._centred + 0.5 * self.time_step * numerical
+        return self._damping + numerical, centred + stiff
+
+    def _prepare(self) -> None:
+        """Lay down what of D + N and B no inertia changes.
+
+        Of O (M + S)⁻¹ S with diagonals O and S, what is to be added to M and what the inverse is to
+        be multiplied by, number by number; once for N, once for the stiff part of B.
+        """
+        h, k, d = self.time_step, self.springs.stiffness, self.springs.damping
+        self._damping: Array = np.diag(d + h * k if self.integrator == "euler" else d)
+        self._centred: Array = np.zeros_like(self._damping)
+        if self.integrator == "euler":
+            self._centred = h * self._damping
+        elif self.integrator == "implicit":
+            self._centred = np.diag(BETA * h * h * k + 0.5 * h * d)
+        # from P M⁻¹ P / 12 in slow modes to P / 2 in stiff ones: the other halves of h D and h² K
+        p = h * d + 2 * STIFF * h * h * k
+        pairs = ((h * k, FILTER * h * h * k), (0.5 * p, 2 * DAMPER * p))
+        self._shares: Array = np.array([np.diag(share) for _, share in pairs])
+        self._products: Array = np.array([np.outer(outer, share) for outer, share in pairs])
 
     def measure(self, force: Array, bias: Array | None = None) -> None:
         """Take f, the generalised force on the joints that is not ours, as the last step's.
@@ -182,8 +206,12 @@ class SpringLaw:
         `drift` is how much the bias forces fall from step to step, shape (n,): the measured force
         is a step old by that much. `change` is how much the correction grows from step to step.
         """
-        self._slope[:] = self._rest.dot(change)
-        self._held[:] = self._rest.dot(self.correction + drift) - drift
+        n = len(drift)
+        if not self._is_laid_out:
+            self._lay_out()
+        rest = self._to_torques[:, 4 * n : 5 * n]  # 1 - B (M + B)⁻¹
+        self._slope[:] = rest.dot(change)
+        self._held[:] = rest.dot(self.correction + drift) - drift
 
     def make_hold(self) -> Callable[[], list[float]]:
         """Return the function that gives the torques for the coming step in most steps.
@@ -196,6 +224,8 @@ class SpringLaw:
         tolist, add, law = torques.tolist, np.add, self
 
         def hold() -> list[float]:
+            if not law._is_laid_out:
+                law._lay_out()
             add(held, slope, held)
             law._to_torques.dot(state, torques)
             add(torques, held, torques)
@@ -213,14 +243,22 @@ class SpringLaw:
         `bias` holds the bias forces at the present angles and rates, shape (n,), and
         `bias_at(rates)` gives them at other rates.
         """
+        assert self._mass is not None, "refresh comes first"
+        h, rates, torques = self.time_step, self.rates, self._torques
+        force = self._mass.dot(rates - self._previous_rates)
+        force /= h
+        force -= self._previous_torques
         if self.bias is not None:
-            self._previous_torques -= self.bias - bias
-        coming = self.rates + self._to_half_change.dot(self.state)
-        torques = self._torques
-        self._to_torques.dot(self.state, torques)
-        self.correction = bias - bias_at(coming)
-        torques += self._rest.dot(self.correction)
-        self._previous_rates[:] = self.rates
+            force += self.bias - bias
+        own = self._at_rest - self.springs.stiffness * self.angles
+        own += self.actuation
+        own -= self._present_damping.dot(rates)
+        acceleration = self._response.dot(force + own)
+        self.correction = bias - bias_at(rates + 0.5 * h * acceleration)
+        acceleration += self._response.dot(self.correction)
+        own += self.correction
+        np.subtract(own, self._implicit.dot(acceleration), torques)
+        self._previous_rates[:] = rates
         self._previous_torques[:] = torques
         self.bias = bias
         values: list[float] = torques.tolist()
@@ -232,9 +270,3 @@ class SpringLaw:
         springs = self.springs.stiffness * (self.angles - self.springs.neutral)
         s = self.actuation - springs - damping @ self.rates
         return np.asarray(np.linalg.solve(mass + implicit, force + s), dtype=np.float64)
-
-
-def _between(outer: Array, mass: Array, share: Array) -> Array:
-    """Return O (M + S)⁻¹ S, shape (n, n), of diagonals O and S that are multiples of each other."""
-    product: Array = outer[:, np.newaxis] * np.linalg.inv(mass + np.diag(share)) * share
-    return product

@@ -1,0 +1,1 @@
+"""Results against theory and another simulator, in one table: `make truth`."""
