@@ -6,6 +6,7 @@ import itertools
 import math
 import struct
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from somo_cli.simulation.dynamics import ChainDynamics
 from somo_cli.simulation.loads import BodyLoads
 from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.springs import Array, SpringLaw, Springs
+from somo_cli.simulation.stops import Stops
 from somo_cli.simulation.vibration import natural_frequencies
 from somo_cli.simulation.watch import BodyEnergy
 from somo_cli.simulation.world import WorldBody
@@ -29,6 +31,9 @@ CALM_FALL = 0.25  # rad of the fastest mode of gravity alone in a step: likewise
 SWIFT_FALL = 1.0  # rad, likewise: with larger steps gravity is in part implicit
 CALM_ANGLE = 0.005  # rad per step: a body with a faster joint is not calm
 CALM_CHANGE = 3.0  # rad/s²: times the step squared, what holding may cost in a block [rad]
+CALM_ROOM = 0.1  # rad: a body with a joint nearer to its limit is not calm
+SWIFT_ROOM = 1.0  # rad: joints farther from their limits do not reach them before the next look,
+SWIFT_BLOCKS = 2.0  # nor those that would not do so in so many times the time until then
 STEPS_BETWEEN_LOOKS = 8
 
 
@@ -48,6 +53,7 @@ class Runner:
         self.loads = BodyLoads(body, world_body.base_pose) if body.loads else None
         self.actuation: Array = np.zeros(len(joints)) if body.loads else self.law.actuation
         """Torques of the actuation alone; to the law, loads are actuation too."""
+        self._stops = Stops(joints)
         self.energy = BodyEnergy(body, springs, plan.gravity)
         self.mass: Array = np.zeros((0, 0))
         self.mass_at_start: Array = self.mass
@@ -64,6 +70,7 @@ class Runner:
         self._slowest_mode = self._fastest_fall = math.inf  # rad/s, where the run starts
         self._looked_at: tuple[Array, Array] | None = None  # correction and bias at the last look
         self._resistance: Array = np.ones(len(joints))
+        self._stop = partial(self._stops.torques, plan.time_step, self.law.angles, self.law.rates)
         self._drives = [(drive.signal.at, _as_slice(drive.joints)) for drive in body.drives]
         self._dynamics: ChainDynamics | None = None
         self.pull = self._make_pull()
@@ -114,13 +121,17 @@ class Runner:
         if law.integrator == "explicit":
             self.push()
             return
+        room = self._stops.room(law.angles)
+        reach = SWIFT_BLOCKS * STEPS_BETWEEN_LOOKS * law.time_step * self.fastest
+        law.stop = self._stop if room < SWIFT_ROOM + reach else None
         self._push_corrected()
         assert law.bias is not None
-        is_calm = self._looked_at is not None and self._is_calm(self._looked_at[0])
-        if is_calm and self._looked_at is not None:
+        last = self._looked_at
+        is_calm = last is not None and room > CALM_ROOM and self._is_calm(last[0])
+        if is_calm and last is not None:
             law.hold(
-                (self._looked_at[1] - law.bias) / STEPS_BETWEEN_LOOKS,
-                (law.correction - self._looked_at[0]) / STEPS_BETWEEN_LOOKS,
+                (last[1] - law.bias) / STEPS_BETWEEN_LOOKS,
+                (law.correction - last[0]) / STEPS_BETWEEN_LOOKS,
             )
         self.push = self._push_held if is_calm else self._push_swiftly
         self._refresh_angle = self._freshness * (CALM_REFRESH if is_calm else SWIFT_REFRESH)

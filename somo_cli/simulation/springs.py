@@ -105,6 +105,8 @@ class SpringLaw:
         self.bias: Array | None = None  # at the start of the last step, if it was corrected
         self._held: Array = np.zeros(n)  # torques that hold the last correction, and their change
         self._slope: Array = np.zeros(n)
+        self.stop: Callable[[Array, Array], Array | None] | None = None
+        """Gives, from a and (M + B)⁻¹, the torques of joints at their limits, where there are."""
         self.pendulum: Array | None = None  # G, (n, n), positive; None where steps resolve it
         self._mass: Array | None = None
         self._prepare()
@@ -257,6 +259,10 @@ class SpringLaw:
         self.correction = bias - bias_at(rates + 0.5 * h * acceleration)
         acceleration += self._response.dot(self.correction)
         own += self.correction
+        stopping = None if self.stop is None else self.stop(acceleration, self._response)
+        if stopping is not None:
+            acceleration += self._response.dot(stopping)
+            own += stopping
         np.subtract(own, self._implicit.dot(acceleration), torques)
         self._previous_rates[:] = rates
         self._previous_torques[:] = torques

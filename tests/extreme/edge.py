@@ -29,9 +29,9 @@ class Edge:
 
 
 def edge(case: Case) -> Edge | None:
-    """Find where the explicit law fails; None where nothing is predicted."""
+    """Find where the explicit law fails; None where nothing is predicted, or nothing can run."""
     limit = predicted_limit(case)
-    if limit is None:
+    if limit is None or _is_refused(case):
         return None
     below = (one for one in FACTORS if is_stable(case, limit / one))
     above = (one for one in FACTORS if not is_stable(case, limit * one))
@@ -47,10 +47,18 @@ def predicted_limit(case: Case) -> float | None:
         return None
 
 
+def _is_refused(case: Case) -> bool:
+    try:
+        rows_of(case.plan("explicit", case.time_step, 1), 0)
+    except EngineRefused:
+        return True
+    return False
+
+
 def is_stable(case: Case, time_step: float) -> bool:
     """Whether the explicit law runs through with this step [s]."""
     try:
         rows_of(case.plan("explicit", time_step, STEPS), STEPS)
-    except (SimulationDiverged, EngineRefused):
+    except SimulationDiverged:
         return False
     return True

@@ -14,11 +14,10 @@ from somo_cli.simulation.springs import Array
 def equilibrium(plan: Plan, angles: Array) -> ChainPose | None:
     """Return the equilibrium next to these joint angles, by Newton; None where it finds none.
 
-    K (q - q0) = u + gravity; a free base falls with its links, which then feel no gravity.
+    K (q - q0) = u + gravity, of a base that does not move.
     """
     (body,) = plan.bodies
     chain = ChainDynamics(body.chain)
-    is_free = body.base == "free"
     torques = np.zeros(chain.count)
     for drive in body.drives:
         torques[list(drive.joints)] += drive.signal.at(0.0)
@@ -26,10 +25,8 @@ def equilibrium(plan: Plan, angles: Array) -> ChainPose | None:
     for _ in range(60):
         pose = chain.at(angles, _base(body))
         rest = torques - chain.stiffness * (angles - chain.neutral)
-        gradient = stiffness
-        if not is_free:
-            rest = rest + pose.gravity_force(plan.gravity)[6:]
-            gradient = stiffness + pose.gravity_stiffness(plan.gravity)
+        rest += pose.gravity_force(plan.gravity)[6:]
+        gradient = stiffness + pose.gravity_stiffness(plan.gravity)
         try:
             change = np.linalg.solve(gradient, rest)
         except np.linalg.LinAlgError:
@@ -42,14 +39,10 @@ def equilibrium(plan: Plan, angles: Array) -> ChainPose | None:
 
 def slowest_decay(plan: Plan, pose: ChainPose) -> float:
     """Return the rate [1/s] of the slowest motion about an equilibrium; negative if it grows."""
-    (body,) = plan.bodies
-    is_free = body.base == "free"
-    mass = pose.joint_inertia(is_free)
+    mass = pose.joint_inertia()
     # about unit masses, so that large and small joints keep their digits
     scale = 1 / np.sqrt(np.diag(mass))
-    stiffness = np.diag(pose.chain.stiffness)
-    if not is_free:
-        stiffness = stiffness + pose.gravity_stiffness(plan.gravity)
+    stiffness = np.diag(pose.chain.stiffness) + pose.gravity_stiffness(plan.gravity)
     unit, k, d = (
         scale[:, np.newaxis] * matrix * scale
         for matrix in (mass, stiffness, np.diag(pose.chain.damping))

@@ -24,7 +24,9 @@ DECAYS = 25.0  # time constants after which nothing but rounding is left
 AT_REST = 1e-7  # rad
 TOO_FAST = 1.0  # rad in one step: no method of steps this long follows such a motion
 FINER = 64  # steps in a step, where the true motion is asked for
-GAIN = 0.02  # of the energy exchanged: what second order may add for a while
+SHOWN_GAIN = 0.02  # of the energy exchanged
+GAIN = 0.2  # likewise: a whip that nears TOO_FAST may win as much for a while
+LOSS = 0.2  # of a momentum
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,9 +59,10 @@ class Outcome:
         return self.is_due and not (self.apart is not None and self.apart < AT_REST)
 
     @property
-    def gains(self) -> bool:
-        """Whether it has won energy."""
-        return self.gain is not None and not self.gain < GAIN
+    def is_creative(self) -> bool:
+        """Whether it has won more energy, or changed its momentum by more, than errors explain."""
+        wins = self.gain is not None and not self.gain < GAIN
+        return wins or (self.lost is not None and not self.lost < LOSS)
 
 
 def outcome(case: Case, integrator: Integrator) -> Outcome:
@@ -112,8 +115,8 @@ def _is_too_fast(case: Case, steps: int) -> bool:
 
 
 def _rest(case: Case, plan: Plan, angles: Array) -> tuple[float | None, bool]:
-    is_turning = case.base == "free" and (any(case.spin) or case.rates != 0)
-    if not case.is_damped or is_turning:
+    # what the base loses in momentum it turns by, and the joints feel that
+    if not case.is_damped or case.base == "free":
         return None, False
     pose = equilibrium(plan, angles)
     if pose is None or not np.abs(pose.angles).max() < case.limit:

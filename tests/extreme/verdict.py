@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from somo_cli.analysis.numerics import judge
 from tests.extreme.case import Case
 from tests.extreme.edge import MARGIN, Edge, edge
-from tests.extreme.trial import TOO_FAST, Outcome, outcome
+from tests.extreme.trial import SHOWN_GAIN, TOO_FAST, Outcome, outcome
 
 SMALLEST = 1e-9  # figures below it are rounding, which differs from machine to machine
 HEADER = ("case", "implicit", "euler", "explicit", "limit", "said beforehand")
@@ -49,9 +49,9 @@ class Verdict:
     @property
     def agrees(self) -> bool:
         """Whether the explicit law holds at the case's own step just where it should."""
-        if self.edge is None:
-            return False
-        return self.explicit.is_stable == (self.case.time_step <= self.edge.limit)
+        return self.edge is not None and self.explicit.is_stable == (
+            self.case.time_step <= self.edge.limit
+        )
 
     @property
     def cells(self) -> tuple[str, ...]:
@@ -100,7 +100,7 @@ def summary(verdicts: Sequence[Verdict]) -> str:
         "cases that cannot be simulated, which `somo check --numerics` does not say: "
         + _listed(one for one in verdicts if one.is_surprise),
         f"explicit is as predicted at its own step in "
-        f"{sum(one.agrees for one in verdicts)} of {len(verdicts)}",
+        f"{sum(one.agrees for one in verdicts)} of {len(edges)}",
         f"explicit holds at the predicted limit / {MARGIN} in "
         f"{sum(one.optimism == MARGIN for one in edges)} of {len(edges)}; "
         f"worst optimism: a factor of {max(one.optimism for one in edges):g}",
@@ -118,7 +118,7 @@ def _listed(verdicts: Iterable[Verdict]) -> str:
 
 def _fails(run: Outcome) -> bool:
     has_diverged = run.diverged is not None and not run.is_too_fast
-    return has_diverged or run.is_restless or run.gains
+    return has_diverged or run.is_restless or run.is_creative
 
 
 def _told(run: Outcome) -> str:
@@ -131,8 +131,8 @@ def _told(run: Outcome) -> str:
         words.append(f"restless {_decade(run.apart or 0.0)}")
     elif run.is_due:
         words.append(f"rests {_decade(run.apart or 0.0)}")
-    if run.gains:
-        words.append(f"gains {_decade(run.gain or 0.0)}")
+    if run.gain is not None and not run.gain < SHOWN_GAIN:
+        words.append(f"gains {_decade(run.gain)}")
     if run.lost is not None:
         words.append(f"loses {_decade(run.lost)}")
     return ", ".join(words) or "holds"
