@@ -8,13 +8,22 @@ from dataclasses import dataclass
 
 from somo_cli.analysis import conditioning
 from somo_cli.analysis.modes import NotAnInertia
-from somo_cli.analysis.stability import SAFETY, TARGET, Outlook, outlook_of, predicted_error
+from somo_cli.analysis.stability import (
+    SAFETY,
+    TARGET,
+    Outlook,
+    outlook_of,
+    predicted_error,
+    rounded_down,
+)
 from somo_cli.document.parse import Document
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import Pointer, Problem
 from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.scene import Integrator
 from somo_cli.simulation.springs import Array
+
+FAST = 1.0  # rad in a step; Coriolis forces are followed to second order in it
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +115,16 @@ def _of_step(known: Numerics, document: Document) -> Iterator[Problem]:
             ", or ".join(better if integrator != "implicit" else better[:1]),
             "warning",
             "inaccurate-step",
+        )
+    turn = max(one.motion.turn_in(step) for one in known.outlooks)
+    if turn > FAST:
+        yield Problem(
+            place,
+            f"a joint may turn by {turn:.2g} rad in one step of {step:g} s, which no integrator "
+            "follows",
+            f"time_step: {rounded_down(step * FAST / turn):g}",
+            "warning",
+            "fast-joints",
         )
     fastest = max(one.modes["start"].frequencies[-1] for one in known.outlooks)
     if integrator != "explicit" and step * fastest > math.pi:

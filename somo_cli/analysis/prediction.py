@@ -29,8 +29,8 @@ class Motion:
 
     `amplitudes` [engine length] are those of free vibration about what is static; `frequencies`
     [rad/s] and damping ratios say how long it lasts. `length` is the chain's; `travel` is how far
-    a free base carries it in the meantime, turning included, in lengths. `swings` [rad], shape
-    (n,), bounds how far each joint goes from its start.
+    a free base carries it in the meantime, turning included, in lengths. `turns` [rad], shape
+    (n, n), holds by how much each joint, one a row, turns in each mode.
     """
 
     amplitudes: Array
@@ -38,7 +38,26 @@ class Motion:
     ratios: Array
     length: float
     travel: float
-    swings: Array
+    turns: Array
+
+    @property
+    def swings(self) -> Array:
+        """A bound on how far each joint goes from its start [rad], shape (n,).
+
+        Twice the amplitudes: a mode that is let go swings past its rest by as much again.
+        """
+        bound: Array = 2 * self.turns.sum(axis=1)
+        return bound
+
+    def turn_in(self, step: float) -> float:
+        """Return the most that a joint may turn in one step [rad].
+
+        By ω times its amplitude in each mode, or ω/2ζ of it where the damper holds it back; a mode
+        that is not resolved turns by its amplitude at once.
+        """
+        held_back = np.maximum(1.0, 2 * self.ratios)
+        in_step = np.minimum(1.0, step * self.frequencies / held_back)
+        return float((self.turns @ in_step).max())
 
     def error(self, integrator: Integrator, step: float) -> float:
         """Return the error of the tip to expect from a step [s], relative to the length.
@@ -127,9 +146,8 @@ def motion_of(plan: Plan, body: Body, pose: ChainPose, modes: Modes) -> Motion:
         amplitudes = np.minimum(tips * moved_by(pose.gravity_force(sideways)), SWING * length)
     speed, spin = map(np.linalg.norm, (body.start.linear_velocity, body.start.angular_velocity))
     travel = float(speed / length + spin) * HORIZON if is_free else 0.0
-    # twice the amplitude: a mode that is let go swings past its rest by as much again
-    joints = np.abs(modes.shapes) @ (2 * swings)
-    return Motion(amplitudes, frequencies, modes.ratios, length, travel, joints)
+    turns = np.abs(modes.shapes) * swings
+    return Motion(amplitudes, frequencies, modes.ratios, length, travel, turns)
 
 
 def felt_by_joints(pose: ChainPose, force: Array, is_free: bool) -> Array:

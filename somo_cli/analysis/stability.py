@@ -43,7 +43,7 @@ class Outlook:
         """Return the step [s] that is stable and whose tip error is expected below the target."""
         step = self.motion.recommended(integrator, target)
         if integrator == "explicit":
-            step = min(step, _rounded_down(SAFETY * self.explicit_step))
+            step = min(step, rounded_down(SAFETY * self.explicit_step))
         return step
 
 
@@ -95,7 +95,7 @@ def _modes(plan: Plan, body: Body, pose: ChainPose) -> Modes:
     return modes_at(pose, body.base == "free", geometric)
 
 
-def _rounded_down(step: float) -> float:
+def rounded_down(step: float) -> float:
     """Return the largest 1, 2 or 5 times a power of ten that is no larger."""
     if not step < LARGEST:
         return LARGEST

@@ -35,6 +35,9 @@ f holds gravity, too, whose stiffness G is that of a pendulum. Where a step does
 pendulum, N and B get what G would give them if it were a spring with β = 1/2, and f is left as it
 is: h²/2 G is another O(h²) in B, and changes no equilibrium.
 
+Where joints would pass their limits in the coming step, a and τ get what torques λ on them do,
+(M + B)⁻¹ λ and (1 - B (M + B)⁻¹) λ: see `stops`.
+
 `SpringLaw.correct` does so in full; `SpringLaw.hold` goes on from the last two, which is enough,
 and still second order, where a few steps turn no joint far.
 
@@ -256,10 +259,13 @@ class SpringLaw:
         own += self.actuation
         own -= self._present_damping.dot(rates)
         acceleration = self._response.dot(force + own)
-        self.correction = bias - bias_at(rates + 0.5 * h * acceleration)
+        # a joint that presses on its limit is not about to move, whatever presses it
+        stopping = self._stopping(acceleration)
+        coming = acceleration if stopping is None else acceleration + self._response.dot(stopping)
+        self.correction = bias - bias_at(rates + 0.5 * h * coming)
         acceleration += self._response.dot(self.correction)
         own += self.correction
-        stopping = None if self.stop is None else self.stop(acceleration, self._response)
+        stopping = self._stopping(acceleration)
         if stopping is not None:
             acceleration += self._response.dot(stopping)
             own += stopping
@@ -269,6 +275,10 @@ class SpringLaw:
         self.bias = bias
         values: list[float] = torques.tolist()
         return values
+
+    def _stopping(self, acceleration: Array) -> Array | None:
+        """Return the torques that stop joints at their limits, None if no joint would pass one."""
+        return None if self.stop is None else self.stop(acceleration, self._response)
 
     def acceleration(self, mass: Array, force: Array) -> Array:
         """Return a = (M + B)⁻¹ (f + s) at the present state, shape (n,) [rad/s²]."""

@@ -16,6 +16,8 @@ from somo_cli.simulation.vibration import largest_explicit_step
 
 ANGLE_PER_STEP = math.pi  # rad; beyond, a joint's motion cannot be told from its alias
 ENERGY_RATIO = 4.0  # to what was put in; an integrator at its accuracy limit stays well below 2
+EXPLICIT_RATIO = 50.0  # likewise: the explicit one keeps E - h v K q / 2, so that it may have up to
+# (1 + x) / (1 - x) times the energy at x = h ω / 2, its share of the limit; this is x = 0.96
 SMALL_ANGLE = 1e-3  # rad; deflections below it are never called divergence
 
 
@@ -97,11 +99,12 @@ def check(step: int, plan: Plan, bodies: Sequence[Moving]) -> None:
     step is refused as well.
     """
     limit = ANGLE_PER_STEP / plan.time_step
+    ratio = EXPLICIT_RATIO if plan.integrator == "explicit" else ENERGY_RATIO
     present = bound = 0.0
     is_fast = False
     for one in bodies:
         present += one.energy.present
-        bound += ENERGY_RATIO * one.energy.bound + one.energy.floor
+        bound += ratio * one.energy.bound + one.energy.floor
         is_fast = is_fast or not one.fastest < limit
     if is_fast or not present <= bound:
         _refuse(step, plan, bodies)

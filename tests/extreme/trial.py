@@ -23,6 +23,7 @@ ROWS = 50
 DECAYS = 25.0  # time constants after which nothing but rounding is left
 AT_REST = 1e-7  # rad
 TOO_FAST = 1.0  # rad in one step: no method of steps this long follows such a motion
+FIRST = 50  # steps in which a run that errs grossly is asked for it
 FINER = 64  # steps in a step, where the true motion is asked for
 SHOWN_GAIN = 0.02  # of the energy exchanged
 GAIN = 0.2  # likewise: a whip that nears TOO_FAST may win as much for a while
@@ -33,11 +34,11 @@ LOSS = 0.2  # of a momentum
 class Outcome:
     """What came of one run.
 
-    `diverged` is the step of divergence, `is_too_fast` whether the true motion turns a joint by
-    more than TOO_FAST in one step before. `apart` [rad] is how far the joints are from equilibrium
-    at the end, `is_due` whether they should long be there. `gain` is the most by which the energy
-    of a passive body exceeded that of its start, `lost` the change of momentum, both relative to
-    what was exchanged. None where it does not apply.
+    `diverged` is the step of divergence. Where it diverged or erred grossly, `is_too_fast` says
+    whether the true motion turns a joint by more than TOO_FAST in one step. `apart` [rad] is how
+    far the joints are from equilibrium at the end, `is_due` whether they should long be there.
+    `gain` is the most by which the energy of a passive body exceeded that of its start, `lost` the
+    change of momentum, both relative to what was exchanged. None where it does not apply.
     """
 
     diverged: int | None = None
@@ -80,19 +81,23 @@ def outcome(case: Case, integrator: Integrator) -> Outcome:
             run.run(plan, world, keep, steps, lambda: 0.0)
             after = momentum(world, plan)
     except SimulationDiverged as error:
-        return Outcome(diverged=error.step, is_too_fast=_is_too_fast(case, error.step))
+        is_too_fast = integrator != "explicit" and _is_too_fast(case, error.step)
+        return Outcome(diverged=error.step, is_too_fast=is_too_fast)
     except EngineRefused as error:
         return Outcome(refused=str(error))
     table = np.array(rows)
     n = case.joints
     angles, energies = table[:, 1 : 1 + n], table[:, 1 + n :]
     apart, is_due = _rest(case, plan, angles[-1])
-    return Outcome(
+    found = Outcome(
         apart=apart,
         is_due=is_due,
         gain=_gain(energies) if case.is_passive else None,
         lost=_lost(plan, before, after, energies) if case.keeps_momentum else None,
     )
+    if found.is_creative and integrator != "explicit":
+        return dataclasses.replace(found, is_too_fast=_is_too_fast(case, min(steps, FIRST)))
+    return found
 
 
 def _is_too_fast(case: Case, steps: int) -> bool:

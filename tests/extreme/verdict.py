@@ -43,7 +43,7 @@ class Verdict:
 
     @property
     def is_too_fast(self) -> bool:
-        """Whether implicit or euler stopped at a motion that no step of this length follows."""
+        """Whether implicit or euler met a motion that no step of this length follows."""
         return self.implicit.is_too_fast or self.euler.is_too_fast
 
     @property
@@ -117,8 +117,9 @@ def _listed(verdicts: Iterable[Verdict]) -> str:
 
 
 def _fails(run: Outcome) -> bool:
-    has_diverged = run.diverged is not None and not run.is_too_fast
-    return has_diverged or run.is_restless or run.is_creative
+    if run.is_too_fast:
+        return False
+    return run.diverged is not None or run.is_restless or run.is_creative
 
 
 def _told(run: Outcome) -> str:
@@ -126,7 +127,7 @@ def _told(run: Outcome) -> str:
         return "refused"
     if run.diverged is not None:
         return "too fast" if run.is_too_fast else "diverges"
-    words = []
+    words = ["too fast"] if run.is_too_fast else []
     if run.is_restless:
         words.append(f"restless {_decade(run.apart or 0.0)}")
     elif run.is_due:
