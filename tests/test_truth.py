@@ -10,7 +10,7 @@ import pytest
 
 from somo_cli.analysis import closed_forms
 from tests.bench.accuracy import MOTIONS, scene_of, truth_of
-from tests.truth import against_mujoco, beams, motion
+from tests.truth import against_mujoco, beams, estimates, motion
 from tests.truth.table import Row, lines, ordered
 
 
@@ -107,3 +107,16 @@ def test_orders_and_lines() -> None:
     text = list(lines(found))
     assert text[0] == "\na"
     assert text[-1].split() == ["b", "10", "joints", "1", "2", "1.0e-02", "2.00"]
+
+
+@pytest.mark.parametrize("step", [1e-2, 2e-3])
+def test_the_error_that_a_run_tells_is_within_a_factor_of_two(step: float) -> None:
+    rows = [
+        estimates.of_hinge(integrator, step) for integrator in ("implicit", "euler", "explicit")
+    ]
+    for title, torque in MOTIONS.items():
+        scene = scene_of(torque)
+        rows.append(estimates.of_finger(title, scene, truth_of(scene), "implicit", step))
+    assert len(rows) == 5
+    for row in rows:
+        assert 0.5 < row.ours / row.reference < 2, row

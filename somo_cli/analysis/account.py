@@ -102,7 +102,7 @@ def choice(study: Study, target: float) -> str:
         return f"no case ran to its end, so none has {goal}: try smaller steps"
     return (
         f"no case has {goal}: the nearest is {_settings(close.case, close.cut)} with "
-        f"{_percent(close.total)}"
+        f"{_percent(close.larger)}"
     )
 
 

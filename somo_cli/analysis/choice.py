@@ -17,9 +17,9 @@ class Choice:
     model: float | None
 
     @property
-    def total(self) -> float:
-        """The error of the tip against the continuum, as far as it is known, relative to length."""
-        return self.solver + (self.model or 0.0)
+    def larger(self) -> float:
+        """The larger of the two errors; the two are never added, since neither knows its sign."""
+        return max(self.solver, self.model or 0.0)
 
 
 def choices(study: Study) -> tuple[Choice, ...]:
@@ -42,13 +42,13 @@ def choices(study: Study) -> tuple[Choice, ...]:
 
 
 def cheapest(study: Study, target: float) -> Choice | None:
-    """Return the case of least run time whose tip is off by at most `target` of the length."""
-    return next((one for one in choices(study) if one.total <= target), None)
+    """Return the case of least run time whose errors are both at most `target` of the length."""
+    return next((one for one in choices(study) if one.larger <= target), None)
 
 
 def nearest(study: Study) -> Choice | None:
-    """Return the case with the smallest error."""
-    return min(choices(study), key=lambda one: one.total, default=None)
+    """Return the case whose larger error is smallest."""
+    return min(choices(study), key=lambda one: one.larger, default=None)
 
 
 def balanced(study: Study) -> tuple[Choice, ...]:

@@ -1,0 +1,66 @@
+"""What `run --error` tells of a run, against the error that it has."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+
+import numpy as np
+
+from somo_cli.analysis import closed_forms
+from somo_cli.analysis.half_step import estimate
+from somo_cli.simulation.bullet import BulletWorld
+from somo_cli.simulation.plan import make_plan
+from somo_cli.simulation.scene import Integrator, Scene
+from tests.bench.accuracy import MOTIONS, scene_of, truth_of
+from tests.loading import rows_of
+from tests.simulation import test_physics as physics
+from tests.truth.table import Row
+
+STEPS = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4)
+WHAT = "largest error that run --error tells, over the true one"
+
+
+def rows() -> Iterator[Row]:
+    """Yield the ratio for a hinge, whose closed form is known, and for the finger of the bench."""
+    for integrator in ("implicit", "euler", "explicit"):
+        for step in STEPS:
+            yield of_hinge(integrator, step)
+    for title, torque in MOTIONS.items():
+        scene = scene_of(torque)
+        truth = truth_of(scene)
+        for integrator in ("implicit", "euler"):
+            for step in STEPS:
+                yield of_finger(title.partition(":")[0], scene, truth, integrator, step)
+
+
+def of_hinge(integrator: Integrator, step: float) -> Row:
+    """Return the ratio for the damped hinge, at every hundredth of a second."""
+    scene = dataclasses.replace(physics.hinge(integrator, step), every=round(0.01 / step))
+    found = np.array(rows_of(scene, round(1 / step)))
+    exact = 0.3 + closed_forms.oscillator(found[:, 0], physics.INERTIA, 0.5, 50.0, (-0.3, 0.0))
+    true = float(np.abs(found[:, 1] - exact).max())
+    return _row(f"hinge, {integrator}", step, told(scene)[0], true)
+
+
+def of_finger(
+    name: str, scene: Scene, truth: np.ndarray, integrator: Integrator, step: float
+) -> Row:
+    """Return the ratio for the worst joint of the finger, at every tenth of a second."""
+    scene = dataclasses.replace(
+        scene, integrator=integrator, time_step=step, every=round(0.1 / step)
+    )
+    found = np.array(rows_of(scene, round(1 / step)))[1:, 1:]
+    true = float(np.abs(found - truth).max())
+    return _row(f"{name} finger, {integrator}", step, float(told(scene).max()), true)
+
+
+def told(scene: Scene) -> np.ndarray:
+    """Return the largest error over one second that is told of each column."""
+    plan, steps = make_plan(scene), round(1 / scene.time_step)
+    found = estimate(plan, iter(rows_of(plan, steps)), steps, BulletWorld, lambda: 0.0)
+    return np.array([error.maximum for error in found.errors])
+
+
+def _row(case: str, step: float, ours: float, true: float) -> Row:
+    return Row(WHAT, case, f"{step:g} s", ours, true, ours / true)
