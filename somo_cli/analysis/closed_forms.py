@@ -10,9 +10,8 @@ import math
 
 import numpy as np
 from scipy.integrate import solve_ivp
-from scipy.linalg import expm
 from scipy.optimize import brentq
-from scipy.special import ellipe, ellipeinc, ellipj, ellipk, ellipkinc
+from scipy.special import ellipe, ellipeinc, ellipj, ellipk, ellipkinc, exprel
 
 from somo_cli.simulation.springs import Array
 
@@ -104,5 +103,16 @@ def oscillator(
     times: Array, inertia: float, damping: float, stiffness: float, start: tuple[float, float]
 ) -> Array:
     """Return the angles [rad] of I q'' + d q' + k q = 0 at times [s], from (q, q') at zero."""
-    matrix = np.array([[0.0, 1.0], [-stiffness / inertia, -damping / inertia]])
-    return np.array([(expm(matrix * time) @ start)[0] for time in times])
+    angle, rate = start
+    decay, square = damping / (2 * inertia), stiffness / inertia
+    difference = decay**2 - square
+    if difference < 0:
+        frequency = math.sqrt(-difference)
+        sine = times * np.sinc(frequency * times / math.pi)  # sin(ω t) / ω
+        swing = angle * np.cos(frequency * times) + (rate + decay * angle) * sine
+        return np.asarray(np.exp(-decay * times) * swing, dtype=np.float64)
+    apart = math.sqrt(difference)
+    slow = -square / (decay + apart)  # the root that decays last; the other is 2 apart below it
+    fading = np.exp(slow * times)
+    between = times * exprel(-2 * apart * times) * fading
+    return np.asarray(angle * fading + (rate - slow * angle) * between, dtype=np.float64)
