@@ -13,8 +13,9 @@ import numpy as np
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
-from somo_cli.simulation.dynamics import ChainDynamics
+from somo_cli.simulation.dynamics import ChainDynamics, ChainPose
 from somo_cli.simulation.loads import BodyLoads
+from somo_cli.simulation.manner import fastest_fall, pendulum, staleness
 from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.springs import Array, SpringLaw, Springs
 from somo_cli.simulation.stops import Stops
@@ -25,7 +26,6 @@ from somo_cli.simulation.world import WorldBody
 CALM_REFRESH = 0.03  # rad: the mass matrix is renewed once the joints have moved this far, as the
 SWIFT_REFRESH = 0.015  # root of the sum of squares over the joints
 STALE = 0.25  # what a renewal may change of the inertia of any motion of the joints, at most
-UNEVEN = 0.1  # rad: how far the chain is bent where that is asked
 CALM_PHASE = 0.2  # rad of the slowest mode between two looks: with larger steps no body is calm
 CALM_FALL = 0.25  # rad of the fastest mode of gravity alone in a step: likewise
 SWIFT_FALL = 1.0  # rad, likewise: with larger steps gravity is in part implicit
@@ -204,7 +204,7 @@ class Runner:
         self._mass_angles = self.law.angles.copy()
         self.mass = self.world_body.mass_matrix(self._mass_angles.tolist())
         if self._is_heavy:
-            self.law.pendulum = self._pendulum()
+            self.law.pendulum = pendulum(self._pose(), self._gravity)
         self.law.refresh(self.mass)
         block = STEPS_BETWEEN_LOOKS * self.law.time_step
         self._resistance = np.diag(self.mass) / block**2
@@ -212,9 +212,14 @@ class Runner:
     def assess(self) -> None:
         """Ask, at the start, for what decides how the body is to be followed."""
         self._slowest_mode = float(natural_frequencies(self.mass, self.law.springs.stiffness)[0])
-        self._fastest_fall = self._gravity_mode()
+        # gravity moves a free body as a whole, and no joint
+        is_free = self.body.base == "free"
+        self._fastest_fall = (
+            0.0 if is_free else fastest_fall(self._pose(), self._gravity, self.mass)
+        )
         self._is_heavy = self.law.time_step * self._fastest_fall > SWIFT_FALL
-        self._freshness = min(1.0, STALE / self._staleness())
+        change = staleness(self.dynamics(), self.law.angles, is_free, CALM_REFRESH)
+        self._freshness = min(1.0, STALE / change) if change > 0 else 1.0
         self._refresh_angle = self._freshness * SWIFT_REFRESH
         if self._is_heavy:
             self.refresh()
@@ -225,51 +230,11 @@ class Runner:
         bias = self.world_body.bias(self.law.angles.tolist(), rates.tolist(), spin)
         self.law.measure(force, self.world_body.felt_by_joints(bias))
 
-    def _pendulum(self) -> Array:
-        """Return the positive part of the joint stiffness of gravity, shape (n, n)."""
+    def _pose(self) -> ChainPose:
+        """Return the chain as it is now, the base as it started, without asking the engine."""
         start = self.body.start
         base = Pose(start.position, geometry.rotation_from_rpy(start.rpy))
-        stiffness = self.dynamics().at(self.law.angles, base).gravity_stiffness(self._gravity)
-        values, vectors = np.linalg.eigh(stiffness)
-        positive: Array = (vectors * np.maximum(values, 0.0)) @ vectors.T
-        return positive
-
-    def _staleness(self) -> float:
-        """Return the relative change of inertia, of the motion that it changes most, in a renewal.
-
-        Links much lighter than what they carry can move so that the load stays where it is. How
-        changes as the chain bends: a mass matrix that is a little old gives such a motion many
-        times its inertia, or a negative one, which no choice of B withstands. Asked of the chain
-        bent unevenly, since a straight one tells little.
-        """
-        number = np.arange(len(self.law.angles))
-        bent = self.law.angles + UNEVEN * np.sin(1 + 2.7 * number)
-        turn = np.cos(0.5 + 1.9 * number)
-        turn *= CALM_REFRESH / np.linalg.norm(turn)
-        before, after = (
-            self.dynamics().at(angles).joint_inertia(self.body.base == "free")
-            for angles in (bent, bent + turn)
-        )
-        changes = np.linalg.eigvals(np.linalg.solve(before, after - before))
-        return float(np.abs(changes).max()) + np.finfo(np.float64).tiny
-
-    def _gravity_mode(self) -> float:
-        """Return the highest natural frequency [rad/s] that gravity gives the chain at its start.
-
-        Of M q'' + G q = 0, G the gradient of gravity's torques; of either sign. The measured
-        force is a step old while a correction is held, which is unstable for steps beyond it.
-        """
-        angles, small = self.law.angles, 1e-4
-        still = [0.0] * len(angles)
-
-        def torques(where: Array) -> Array:
-            bias = self.world_body.bias(where.tolist(), still, (0.0, 0.0, 0.0))
-            return self.world_body.felt_by_joints(bias)
-
-        steps = small * np.eye(len(angles))
-        gradient = [torques(angles + step) - torques(angles - step) for step in steps]
-        modes = np.linalg.eigvals(np.linalg.solve(self.mass, np.array(gradient).T / (2 * small)))
-        return math.sqrt(float(np.abs(modes).max()))
+        return self.dynamics().at(self.law.angles, base)
 
     def go_to_start(
         self,
