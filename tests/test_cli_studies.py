@@ -24,7 +24,7 @@ def test_a_report_is_a_table_a_sentence_and_four_files(somo: Somo, tmp_path: Pat
     ended = somo("report", SCENE, *QUICK, "-o", "out")
     assert ended.returncode == 0, ended.stderr
     lines = ended.stdout.splitlines()
-    assert lines[0].split()[:3] == ["segments", "integrator", "step"]
+    assert lines[0].split()[:3] == ["joints", "integrator", "step"]
     assert [line.split()[1] for line in lines[1:7]] == ["implicit"] * 2 + ["euler"] * 2 + [
         "explicit"
     ] * 2
@@ -51,6 +51,7 @@ def test_a_report_over_segments_says_what_is_balanced(somo: Somo) -> None:
     )  # fmt: skip
     assert ended.returncode == 0, ended.stderr
     lines = ended.stdout.splitlines()
+    assert lines[0].split()[0] == "segments"
     assert any(
         line.startswith("5 segments: model error against elastica: tip 3.3") for line in lines
     )

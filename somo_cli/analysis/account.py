@@ -13,7 +13,7 @@ from somo_cli.analysis.study import Case, Cut, Study
 from somo_cli.simulation.scene import Quantity
 
 _SHOWN: tuple[tuple[str, int], ...] = (
-    ("segments", 8), ("integrator", 10), ("step [s]", 9), ("tip max [m]", 11), ("of length", 9),
+    ("integrator", 10), ("step [s]", 9), ("tip max [m]", 11), ("of length", 9),
     ("final [m]", 9), ("rms [m]", 9), ("angles [rad]", 12), ("energy", 9), ("order", 5),
     ("time [ms]", 9), ("steps/s", 8), ("x real time", 11),
 )  # fmt: skip
@@ -21,13 +21,16 @@ _SHOWN: tuple[tuple[str, int], ...] = (
 
 def table(study: Study) -> str:
     """Return the table of the terminal; errors the reference cannot tell have a < before them."""
-    lines = ["  ".join(f"{name:>{width}}" for name, width in _SHOWN)]
+    is_cut = any(cut.segments is not None for cut in study.cuts)
+    first = "segments" if is_cut else "joints"
+    shown = ((first, 8), *_SHOWN)
+    lines = ["  ".join(f"{name:>{width}}" for name, width in shown)]
     for cut in study.cuts:
         for case in study.cases:
             if case.segments == cut.segments:
                 cells = _cells(study, cut, case)
                 padded = (
-                    f"{cell:>{width}}" for cell, (_, width) in zip(cells, _SHOWN, strict=False)
+                    f"{cell:>{width}}" for cell, (_, width) in zip(cells, shown, strict=False)
                 )
                 lines.append("  ".join(padded).rstrip())
     return "\n".join(lines)
