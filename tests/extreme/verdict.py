@@ -104,6 +104,8 @@ def summary(verdicts: Sequence[Verdict]) -> str:
         f"explicit holds at the predicted limit / {MARGIN} in "
         f"{sum(one.optimism == MARGIN for one in edges)} of {len(edges)}; "
         f"worst optimism: a factor of {max(one.optimism for one in edges):g}",
+        "cases that fail below it: "
+        + _listed(one for one in verdicts if one.edge is not None and one.edge.optimism > MARGIN),
         f"explicit fails at the predicted limit x {MARGIN} in "
         f"{sum(one.pessimism == MARGIN for one in edges)} of {len(edges)}; "
         f"worst pessimism: a factor of {max(one.pessimism for one in edges):g}",
