@@ -148,11 +148,19 @@ class ChainPose:
         d/dq_j of a_i x (p - o_i) is a_j x (a_i x (p - o_i)) for j <= i.
         """
         n = self.chain.count
-        arms = np.cross(self.axes[:link], point - self.origins[1 : link + 1])
         stiffness: Array = np.zeros((n, n))
-        turned = np.cross(self.axes[:link, np.newaxis], arms[np.newaxis])  # [j, i]
-        upper = np.triu(turned @ force)
-        stiffness[:link, :link] = -(upper + np.triu(upper, 1).T)
+        arms = point - self.origins[1 : link + 1]
+        stiffness[:link, :link] = self._stiffness(force, arms)
+        return stiffness
+
+    def _stiffness(self, force: Array, arms: Array) -> Array:
+        """Return minus F · (a_j x (a_i x r_i)), (m, m), j <= i, of the first m joints, mirrored."""
+        axes = self.axes[: len(arms)]
+        # F · (a_j x b) = (F x a_j) · b; numpy's cross is slow, and this may run in many steps
+        (turn,) = cross_matrices(force[np.newaxis])
+        swings = np.einsum("ijk,ik->ij", cross_matrices(axes), arms)
+        upper = np.triu((axes @ turn.T) @ swings.T)
+        stiffness: Array = -(upper + np.triu(upper, 1).T)
         return stiffness
 
     def gravity_force(self, gravity: Vector) -> Array:
@@ -170,11 +178,7 @@ class ChainPose:
         masses = self.chain.masses[1:, np.newaxis]
         carried = np.cumsum(masses[::-1], axis=0)[::-1]
         moments = np.cumsum((masses * self.centres[1:])[::-1], axis=0)[::-1]
-        arms = np.cross(self.axes, moments - carried * self.origins[1:])
-        turned = np.cross(self.axes[:, np.newaxis], arms[np.newaxis])  # [j, i], j <= i
-        upper = np.triu(turned @ np.array(gravity))
-        stiffness: Array = -(upper + np.triu(upper, 1).T)
-        return stiffness
+        return self._stiffness(np.array(gravity), moments - carried * self.origins[1:])
 
     def kinetic_energy(self, rates: Sequence[float] | Array) -> float:
         """Return the kinetic energy at these rates, shape (6 + n,): base first."""

@@ -28,7 +28,7 @@ SWIFT_REFRESH = 0.015  # root of the sum of squares over the joints
 STALE = 0.25  # what a renewal may change of the inertia of any motion of the joints, at most
 CALM_PHASE = 0.2  # rad of the slowest mode between two looks: with larger steps no body is calm
 CALM_FALL = 0.25  # rad of the fastest mode of gravity alone in a step: likewise
-SWIFT_FALL = 1.0  # rad, likewise: with larger steps gravity is in part implicit
+SWIFT_FALL = 1.5  # rad, likewise: with larger steps gravity is in part implicit
 CALM_ANGLE = 0.005  # rad per step: a body with a faster joint is not calm
 CALM_CHANGE = 3.0  # rad/s²: times the step squared, what holding may cost in a block [rad]
 CALM_ROOM = 0.1  # rad: a body with a joint nearer to its limit is not calm
@@ -117,6 +117,9 @@ class Runner:
         so little since the last look that holding it cost less than the method's own error.
         """
         law = self.law
+        if self._is_heavy:
+            # with looks, not with the mass: any such part of B is as good as a fresh one
+            law.take_pendulum(pendulum(self._pose(), self._gravity), self.mass)
         self.refresh_if_moved()
         if law.integrator == "explicit":
             self.push()
@@ -203,8 +206,6 @@ class Runner:
         """Renew the mass matrix for the present angles."""
         self._mass_angles = self.law.angles.copy()
         self.mass = self.world_body.mass_matrix(self._mass_angles.tolist())
-        if self._is_heavy:
-            self.law.pendulum = pendulum(self._pose(), self._gravity)
         self.law.refresh(self.mass)
         block = STEPS_BETWEEN_LOOKS * self.law.time_step
         self._resistance = np.diag(self.mass) / block**2
@@ -222,6 +223,7 @@ class Runner:
         self._freshness = min(1.0, STALE / change) if change > 0 else 1.0
         self._refresh_angle = self._freshness * SWIFT_REFRESH
         if self._is_heavy:
+            self.law.take_pendulum(pendulum(self._pose(), self._gravity), self.mass)
             self.refresh()
 
     def begin(self, force: Array, rates: Array) -> None:

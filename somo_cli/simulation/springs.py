@@ -110,7 +110,7 @@ class SpringLaw:
         self._slope: Array = np.zeros(n)
         self.stop: Callable[[Array, Array], Array | None] | None = None
         """Gives, from a and (M + B)⁻¹, the torques of joints at their limits, where there are."""
-        self.pendulum: Array | None = None  # G, (n, n), positive; None where steps resolve it
+        self._pendulum: tuple[Array, Array] | None = None  # of D + N and of B; None if resolved
         self._mass: Array | None = None
         self._prepare()
         # s and f + s as linear functions of the state; only the mass changes them later
@@ -156,26 +156,29 @@ class SpringLaw:
 
     def implicit_parts(self, mass: Array) -> tuple[Array, Array]:
         """Return D + N [N·m·s/rad] and B [kg·m²] for an inertia M, all of shape (n, n)."""
-        damping, implicit = self._parts_of_springs(mass)
-        if self.pendulum is None:
-            return damping, implicit
-        h, g = self.time_step, self.pendulum
-        numerical = h * g
         if self.integrator == "implicit":
-            share = FILTER * h * h * g
-            numerical = numerical @ np.linalg.solve(mass + share, share)
-        return damping + numerical, implicit + 0.5 * h * numerical + 0.5 * h * h * g
+            # the two resolvents at once, because numpy's calls cost more than their work
+            resolvents = np.linalg.inv(mass + self._shares)
+            resolvents *= self._products
+            numerical, stiff = resolvents
+            damping = self._damping + numerical
+            implicit = self._centred + 0.5 * self.time_step * numerical
+            implicit += stiff
+        else:
+            damping, implicit = self._damping, self._centred
+        if self._pendulum is not None:
+            damping = damping + self._pendulum[0]
+            implicit = implicit + self._pendulum[1]
+        return damping, implicit
 
-    def _parts_of_springs(self, mass: Array) -> tuple[Array, Array]:
-        """Return what of D + N and B the joints' own springs and dampers have."""
-        if self.integrator != "implicit":
-            return self._damping, self._centred
-        # the two resolvents at once, because numpy's calls cost more than their work
-        resolvents = np.linalg.inv(mass + self._shares)
-        resolvents *= self._products
-        numerical, stiff = resolvents
-        centred = self._centred + 0.5 * self.time_step * numerical
-        return self._damping + numerical, centred + stiff
+    def take_pendulum(self, stiffness: Array, mass: Array) -> None:
+        """Take the positive part of gravity's stiffness G, shape (n, n), from the next M on."""
+        h = self.time_step
+        numerical = h * stiffness
+        if self.integrator == "implicit":
+            share = FILTER * h * h * stiffness
+            numerical = numerical @ np.linalg.solve(mass + share, share)
+        self._pendulum = numerical, 0.5 * h * (numerical + h * stiffness)
 
     def _prepare(self) -> None:
         """Lay down what of D + N and B no inertia changes.
