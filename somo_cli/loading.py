@@ -84,11 +84,12 @@ def _with_chosen_step(found: Scene, document: Document) -> Scene:
     from somo_cli.simulation.plan import make_plan
 
     try:
-        return dataclasses.replace(found, time_step=recommended_step(make_plan(found)))
-    except NotAnInertia as error:
+        step, error = recommended_step(make_plan(found))
+    except NotAnInertia as fault:
         place = document.span(("time_step",))
-        message = f"no time step can be chosen: {error}"
-        raise InvalidFile([Problem(place, message, "give a time_step")], document.texts) from error
+        message = f"no time step can be chosen: {fault}"
+        raise InvalidFile([Problem(place, message, "give a time_step")], document.texts) from fault
+    return dataclasses.replace(found, time_step=step, expected_error=error)
 
 
 def _with_parts(document: Document) -> Document:

@@ -160,6 +160,7 @@ def test_a_step_is_chosen_and_recorded(somo: Somo, tmp_path: Path) -> None:
     assert ", time step 0.01 s, " in ended.stderr
     about = json.loads((tmp_path / "scene.meta.json").read_text("utf-8"))
     assert (about["time_step_s"], about["time_step_chosen"]) == (0.01, True)
+    assert 0 < about["expected_tip_error_relative"] < 0.01
     set_in_scene = somo("run", SCENE, "--steps", "10", "--set", "time_step=auto", "-o", "-", "-q")
     assert set_in_scene.stdout == (tmp_path / "scene.csv").read_text("utf-8")
     wrong = somo("run", SCENE, "--steps", "10", "--time-step", "automatic")
@@ -171,7 +172,7 @@ def test_numerics_are_a_table_and_findings(somo: Somo) -> None:
     ended = somo("check", SCENE, "--numerics")
     assert (ended.returncode, ended.stderr) == (0, "")
     assert ended.stdout.splitlines()[0].split() == ["finger:", "10", "joints", "start", "neutral"]
-    assert "implicit at 0.001 s: stable; tip error expected below" in ended.stdout
+    assert "implicit at 0.001 s: stable; a tip error of about" in ended.stdout
 
 
 @pytest.fixture

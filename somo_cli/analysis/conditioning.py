@@ -26,7 +26,7 @@ MANY_JOINTS = 100
 def findings(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterator[Problem]:
     """Yield what is hard about a body, whose manipulator is at a pointer of the document."""
     definition: Pointer = (*at, "definition")
-    yield from _masses(body, document, definition)
+    yield from _masses(plan, body, document, definition)
     yield from _inertias(plan, body, document, definition)
     yield from _rows(body, document, definition)
     if len(plan.bodies) > 1:
@@ -41,7 +41,7 @@ def findings(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterato
         )
 
 
-def _masses(body: Body, document: Document, at: Pointer) -> Iterator[Problem]:
+def _masses(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterator[Problem]:
     masses = [link.inertial.mass for link in body.chain.links]
     first = 1 if body.base == "static" else 0  # a base that cannot move has no mass
     for index in range(first, len(masses) - 1):
@@ -53,7 +53,7 @@ def _masses(body: Body, document: Document, at: Pointer) -> Iterator[Problem]:
                 document.span(_place_of(body.chain, document, at, light)),
                 f"{names[0]} is {ratio:.3g} times as heavy as its neighbour {names[1]}",
                 f"a ratio below {MASS_RATIO:g} keeps its digits: make {names[1]} heavier than "
-                f"{masses[heavy] / MASS_RATIO:.3g} engine units of mass",
+                f"{masses[heavy] / MASS_RATIO / plan.scale.mass:.3g} kg",
                 "warning",
                 "mass-ratio",
             )

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from somo_cli.simulation.dynamics import ChainPose
 from somo_cli.simulation.springs import Array
 from somo_cli.simulation.vibration import largest_explicit_step, normaliser
+
+Complex: TypeAlias = npt.NDArray[np.complex128]
 
 TOPPLES = -1e-9  # of the largest eigenvalue: what counts as a negative stiffness
 
@@ -23,13 +27,25 @@ class Modes:
 
     `shapes`, (n, n), has one in each column, orthonormal with respect to M. `squares` are the
     squares of the natural frequencies [rad²/s²], negative where the chain topples; `damping` is
-    the diagonal of D in these modes [1/s]. The explicit step [s] is exact, whatever D is.
+    the diagonal of D in these modes [1/s]. Exact, whatever D is, are the explicit step [s] and
+    `all_roots` [1/s], shape (2n,), of det(s² M + s D + K) = 0, those of least modulus first.
     """
 
     squares: Array
     shapes: Array
     damping: Array
     explicit_step: float
+    all_roots: Complex
+
+    @property
+    def least_ratio(self) -> float:
+        """The damping ratio -Re s / |s| of what dies away last in its periods; exact.
+
+        Negative where the chain topples.
+        """
+        moduli = np.abs(self.all_roots)
+        moving = moduli > 1e-9 * moduli.max()
+        return float((-self.all_roots.real[moving] / moduli[moving]).min(initial=1.0))
 
     @property
     def frequencies(self) -> Array:
@@ -43,6 +59,28 @@ class Modes:
         twice = 2 * np.sqrt(np.abs(self.squares))
         with np.errstate(divide="ignore", invalid="ignore"):
             found: Array = np.where(self.damping > 0, self.damping / twice, 0.0)
+        return found
+
+    @property
+    def moduli(self) -> Array:
+        """Natural frequencies [rad/s] as divisors: of either sign of the square, never zero."""
+        squares = np.abs(self.squares)
+        found: Array = np.sqrt(np.maximum(squares, max(1e-12 * float(squares.max()), 1e-30)))
+        return found
+
+    @property
+    def roots(self) -> Complex:
+        """The root [1/s] by which each mode moves on, as if damping did not couple modes.
+
+        Of a mode that is damped beyond the critical it is the slow one of the two.
+        """
+        moduli = self.moduli
+        ratios = self.damping / (2 * moduli)
+        beyond = np.sqrt((ratios**2 - 1).astype(np.complex128))
+        # not ζ - sqrt(ζ² - 1), which has no digits left where ζ is large
+        found: Complex = np.where(
+            ratios < 1, moduli * (beyond - ratios), -moduli / (ratios + beyond)
+        )
         return found
 
     @property
@@ -62,11 +100,18 @@ def modes_at(pose: ChainPose, has_free_base: bool, geometric: Array) -> Modes:
         normalised, shaped = normaliser(mass)
     except np.linalg.LinAlgError as error:
         raise NotAnInertia("masses that differ too much leave no inertia to a joint") from error
-    squares, vectors = np.linalg.eigh(normalised(springs + geometric))
-    damped = np.einsum("ik,ij,jk->k", vectors, normalised(damping), vectors)
+    stiff, damper = normalised(springs + geometric), normalised(damping)
+    squares, vectors = np.linalg.eigh(stiff)
+    damped = np.einsum("ik,ij,jk->k", vectors, damper, vectors)
     # what gravity takes away from the springs must not make the answer optimistic
     step = min(
         largest_explicit_step(mass, stiffness, damping)
         for stiffness in (springs, springs + geometric)
     )
-    return Modes(squares, shaped(vectors), np.maximum(damped, 0.0), step)
+    n = len(mass)
+    # the quadratic eigenproblem as a linear one of twice the size: Tisseur and Meerbergen,
+    # SIAM Review 43 (2001) 235, sec. 3.4
+    companion = np.block([[np.zeros((n, n)), np.eye(n)], [-stiff, -damper]])
+    roots = np.linalg.eigvals(companion).astype(np.complex128)
+    roots = roots[np.argsort(np.abs(roots), kind="stable")]
+    return Modes(squares, shaped(vectors), np.maximum(damped, 0.0), step, roots)

@@ -78,10 +78,19 @@ def _of_body(body: Body, outlook: Outlook, document: Document, at: Pointer) -> I
         yield Problem(
             document.span(at),
             f"'{body.name}' topples: gravity is stronger than its springs where it starts, so "
-            "the least disturbance decides where it falls",
+            "the least disturbance decides where it falls, and no step makes that predictable",
             "start it bent, lighten it, or stiffen its springs",
             "warning",
             "topples",
+        )
+    if outlook.motion.is_assumed:
+        yield Problem(
+            document.span(at),
+            f"nothing moves '{body.name}' from where it starts, so what is expected is said of one "
+            "that is let go in 9.81 m/s² sideways",
+            "give it actuation, loads, initial_angles or initial_rates",
+            "info",
+            "nothing-moves",
         )
 
 

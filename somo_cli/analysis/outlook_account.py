@@ -38,7 +38,7 @@ def _verdict(known: Numerics) -> str:
         stable = f"stable, {plan.time_step / limit:.2g} of its limit of {limit:.3g} s"
     else:
         stable = "stable"
-    return f"{stable}; tip error expected below {100 * known.error:.2g} % of the length"
+    return f"{stable}; a tip error of about {100 * known.error:.2g} % of the length is expected"
 
 
 def _of_outlook(one: Outlook) -> Iterator[str]:
@@ -52,6 +52,7 @@ def _of_outlook(one: Outlook) -> Iterator[str]:
         "highest                  [rad/s]": [each.frequencies[-1] for each in modes],
         "damping ratio, lowest mode": [each.ratios[0] for each in modes],
         "               highest mode": [each.ratios[-1] for each in modes],
+        "               least damped": [each.least_ratio for each in modes],
         "stiffness ratio": [stiffness_ratio(each.frequencies) for each in modes],
         "largest explicit step [s]": [each.explicit_step for each in modes],
     }
@@ -80,6 +81,8 @@ def plain(known: Numerics) -> dict[str, object]:
                 name: {
                     "frequencies_rad_per_s": modes.frequencies.tolist(),
                     "damping_ratios": [_finite(value) for value in modes.ratios.tolist()],
+                    "least_damping_ratio": modes.least_ratio,
+                    "roots_per_s": [[root.real, root.imag] for root in modes.all_roots.tolist()],
                     "stiffness_ratio": _finite(stiffness_ratio(modes.frequencies)),
                     "explicit_step_s": _finite(modes.explicit_step),
                     "topples": modes.topples,

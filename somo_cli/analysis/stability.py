@@ -71,13 +71,15 @@ def outlook_of(plan: Plan, body: Body, met: Iterable[tuple[Pose, Array]] = ()) -
     return Outlook(body, modes, motion)
 
 
-def recommended_step(plan: Plan, target: float = TARGET) -> float:
-    """Return the step [s] for the integrator of a plan: the smallest that one of its bodies needs.
+def recommended_step(plan: Plan, target: float = TARGET) -> tuple[float, float]:
+    """Return the step [s] for the integrator of a plan, and the tip error to expect of it.
 
-    Raises NotAnInertia.
+    The step is the smallest that one of the bodies needs, the error relative to the length that
+    of the worst. Raises NotAnInertia.
     """
-    outlooks = (outlook_of(plan, body) for body in plan.bodies)
-    return min(one.recommended(plan.integrator, target) for one in outlooks)
+    outlooks = [outlook_of(plan, body) for body in plan.bodies]
+    step = min(one.recommended(plan.integrator, target) for one in outlooks)
+    return step, predicted_error(outlooks, plan.integrator, step)
 
 
 def predicted_error(outlooks: Sequence[Outlook], integrator: Integrator, step: float) -> float:

@@ -116,7 +116,9 @@ def _simulate(
     with files.spool() if with_error else nullcontext() as kept:
         spool = None if kept is None else RowSpool(kept, len(names))
         summary = _recorded(plan, steps, output, names, spool)
-        about = metadata(plan, summary, document.texts, sets, names, scene.is_step_chosen)
+        about = metadata(
+            plan, summary, document.texts, sets, names, scene.is_step_chosen, scene.expected_error
+        )
         told, failure = None, None
         if spool is not None:
             try:

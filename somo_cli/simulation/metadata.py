@@ -21,12 +21,13 @@ def metadata(
     overrides: Sequence[str],
     columns: Sequence[str],
     is_step_chosen: bool = False,
+    expected_error: float | None = None,
 ) -> dict[str, object]:
     """Return versions, input hashes, step, integrator, scale and run time of a finished run.
 
-    `inputs` maps each file that was read to its text; whether the time step was chosen by us is
-    not in the plan. All but the versions, the platform and the
-    run time is the same for the same input.
+    `inputs` maps each file that was read to its text. Whether the time step was chosen by us, and
+    with what error of the tip in mind, relative to the length, is not in the plan. All but the
+    versions, the platform and the run time is the same for the same input.
     """
     simulated = summary.steps * plan.time_step
     return {
@@ -34,6 +35,7 @@ def metadata(
         "integrator": plan.integrator,
         "time_step_s": plan.time_step,
         "time_step_chosen": is_step_chosen,
+        "expected_tip_error_relative": expected_error,
         "steps": summary.steps,
         "record_every": plan.every,
         "rows": summary.rows,

@@ -108,7 +108,8 @@ class Scene:
     """Everything a run needs but the number of steps; SI throughout.
 
     `reference` is the closed form that a study holds the results against, if there is one. Where
-    the scene leaves the time step to us, `is_step_chosen` says so.
+    the scene leaves the time step to us, `is_step_chosen` says so, and `expected_error` what error
+    of the tip, relative to the length, the step was chosen with.
     """
 
     time_step: float
@@ -120,6 +121,7 @@ class Scene:
     columns: tuple[Quantity, ...]
     reference: ClosedForm | None
     is_step_chosen: bool = False
+    expected_error: float | None = None
 
 
 def is_scene(document: Document) -> bool:

@@ -72,7 +72,7 @@ def test_shipped_scenes_are_fit_to_run(name: str) -> None:
             ("manipulators[0].definition.tip_definition.mass=30",),
             "mass-ratio",
             "warning",
-            "heavier than 0.03",
+            "heavier than 0.03 kg",
         ),
         ((f"{HINGES}[0].joint_control_limit_force=0.001",), "friction-rows", "info", "damping"),
         ((f"{HINGES}[1].spring_stiffness=0",), "no-spring", "info", ""),
@@ -138,17 +138,35 @@ def test_a_body_without_inertia_is_said_to_have_none() -> None:
         f"{CUT}.link_definition.mass=1e-12",
         "manipulators[0].definition.tip_definition.mass=1e12",
     )
-    assert codes(known).get("no-inertia", codes(known).get("frozen-joint")) == "error"
+    assert codes(known)["no-inertia"] == "error"
+    assert known.outlooks == ()
+    assert outlook_account.plain(known)["explicit_step_s"] is None
+
+
+def test_what_nothing_moves_is_said() -> None:
+    known = judged("cantilever_scene.yaml", "manipulators[0].loads=[]")
+    assert codes(known)["nothing-moves"] == "info"
+    assert "nothing-moves" not in codes(judged("cantilever_scene.yaml"))
+
+
+def test_the_mass_that_would_be_right_is_in_kilograms() -> None:
+    heavy = "manipulators[0].definition.tip_definition.mass=30"
+    known = judged("scene.yaml", heavy, "world_scale={length: 20, mass: 1000}")
+    (found,) = (one for one in known.findings if one.code == "mass-ratio")
+    assert "heavier than 0.03 kg" in found.hint
 
 
 def test_the_table_and_the_values_tell_the_same() -> None:
     known = judged("scene.yaml")
     told = outlook_account.plain(known)
     lines = "\n".join(outlook_account.table(known))
-    assert told["recommended_time_step_s"] == {"implicit": 0.01, "euler": 1e-4, "explicit": 2e-4}
+    assert told["recommended_time_step_s"] == {"implicit": 0.01, "euler": 2e-4, "explicit": 2e-4}
     assert told["explicit_step_s"] == known.explicit_step
     assert f"{known.explicit_step:.4g}" in lines
-    assert "implicit at 0.001 s: stable; tip error expected below 0.0054 % of the length" in lines
+    assert (
+        "implicit at 0.001 s: stable; a tip error of about 0.0033 % of the length is expected"
+        in lines
+    )
     frequencies = told["manipulators"]["finger"]["start"]["frequencies_rad_per_s"]  # type: ignore[index]
     assert len(frequencies) == 10
 

@@ -11,8 +11,10 @@ import pytest
 from somo_cli.analysis.stability import Outlook, outlook_of
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import SimulationDiverged
+from somo_cli.simulation.dynamics import ChainDynamics
 from somo_cli.simulation.plan import make_plan
 from somo_cli.simulation.scene import Scene
+from somo_cli.simulation.vibration import largest_explicit_step
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.simulation.test_physics import HINGE, INERTIA, JOINTS, THROWN
 
@@ -41,7 +43,11 @@ def beam(n: int, damping: float = 0.0) -> Scene:
 # of sqrt(EI / (ρ A L⁴)); the beam has 3.51601526850015. Eigenvalues, computed with 15 digits.
 @pytest.mark.parametrize(
     ("n", "first", "last"),
-    [(3, 3.607808961845903, 77.69493129334919)],
+    [
+        (3, 3.607808961845903, 77.69493129334919),
+        (10, 3.524097960057064, 886.7879944021699),
+        (40, 3.516519479232805, 14188.634213698897),
+    ],
 )
 def test_a_chain_vibrates_as_computed(n: int, first: float, last: float) -> None:
     unit = math.sqrt(1 / 0.3)
@@ -93,6 +99,82 @@ def test_gravity_stiffens_what_hangs_and_softens_what_stands() -> None:
         assert not modes.topples
     soft = scene_from_text(HINGE.replace("spring_stiffness: 50", "spring_stiffness: 4"))
     assert outlook(soft).modes["start"].topples
+
+
+# The transient chain: 1 m, 1 kg, EI = 4 N·m² in n joints, with 2 % of damping on its first mode.
+@pytest.mark.parametrize(
+    ("n", "first", "last"), [(5, 7.097095071538422, 442.6818858391887),
+                             (20, 7.0360657469794035, 7094.317106831442)]
+)  # fmt: skip
+def test_damping_shortens_the_explicit_step_of_a_fine_chain(
+    n: int, first: float, last: float
+) -> None:
+    """With damping in proportion to stiffness every mode is alone: ζ = 0.02 ω / ω₁."""
+    factor = math.sqrt(1 / 0.3 / 4)  # the beam here has EI = 1 N·m² and 0.3 kg
+    # d = τ k, k = n EI / L
+    found = outlook(beam(n, 2 * 0.02 / (first * factor) * n))
+    assert found.modes["start"].frequencies[[0, -1]] / factor == pytest.approx(
+        [first, last], rel=1e-6
+    )
+    zeta = 0.02 * last / first
+    limit = 2 * (math.sqrt(1 + zeta**2) - zeta) / (last * factor)
+    assert found.explicit_step == pytest.approx(limit, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("zeta", "limit"),
+    [(0, 2.0), (0.01, 1.9800999975001248), (0.1, 1.809975124224178), (0.5, 1.2360679774997898),
+     (1, 0.8284271247461903), (5, 0.19803902718556898)],
+)  # fmt: skip
+def test_the_explicit_step_is_where_a_root_leaves_the_unit_circle(
+    zeta: float, limit: float
+) -> None:
+    """h ω, against the eigenvalues of v' = v - h (ω² x + 2 ζ ω v), x' = x + h v'."""
+    mass, stiffness = np.array([[0.7]]), np.array([50.0])
+    omega = math.sqrt(50 / 0.7)
+    step = largest_explicit_step(mass, stiffness, [2 * zeta * omega * 0.7])
+    assert step * omega == pytest.approx(limit, rel=1e-12)
+
+    def radius(h: float) -> float:
+        v = [-h * omega**2, 1 - 2 * h * zeta * omega]
+        return float(np.abs(np.linalg.eigvals([[1 + h * v[0], h * v[1]], v])).max())
+
+    assert radius(0.999 * step) <= 1 + 1e-12 < radius(1.001 * step)
+
+
+def test_damping_that_couples_modes_is_solved_for() -> None:
+    """The roots satisfy det(s² M + s D + K) = 0; the diagonal alone would say otherwise."""
+    scene = scene_from_file("finger.yaml")
+    (finger,) = scene.manipulators
+    joints = tuple(
+        dataclasses.replace(joint, damping=joint.damping * (10 if number < 4 else 0.1))
+        for number, joint in enumerate(finger.compiled.chain.joints)
+    )
+    chain = dataclasses.replace(finger.compiled.chain, joints=joints)
+    compiled = dataclasses.replace(finger.compiled, chain=chain)
+    uneven = dataclasses.replace(
+        scene, manipulators=(dataclasses.replace(finger, compiled=compiled),)
+    )
+    for one in (scene, uneven):
+        plan = make_plan(one)
+        (body,) = plan.bodies
+        pose = ChainDynamics(body.chain).at(body.start.angles)
+        mass, k = pose.joint_inertia(), np.diag(pose.chain.stiffness)
+        k = k + pose.gravity_stiffness(plan.gravity)
+        d = np.diag(pose.chain.damping)
+        modes = outlook(one).modes["start"]
+        assert len(modes.all_roots) == 2 * len(mass)
+        for root in modes.all_roots[[0, 5, 10, -1]]:
+            values = np.linalg.svd(root**2 * mass + root * d + k, compute_uv=False)
+            assert values[-1] < 1e-9 * values[0]
+        # the sum of all roots is minus the trace of M⁻¹ D
+        assert modes.all_roots.sum().real == pytest.approx(-np.trace(np.linalg.solve(mass, d)))
+    assert modes.least_ratio != pytest.approx(modes.ratios.min(), rel=0.05)
+
+
+def test_damping_in_proportion_to_stiffness_leaves_modes_alone() -> None:
+    modes = outlook(beam(10, 1e-3)).modes["start"]
+    assert modes.least_ratio == pytest.approx(modes.ratios[0], rel=1e-9)
 
 
 def survives(scene: Scene, step: float, steps: int) -> bool:

@@ -16,8 +16,9 @@ from tests.loading import scene_from_file
 
 KEYS = [
     "somo", "engine", "numpy", "python", "platform", "inputs", "overrides", "integrator",
-    "time_step_s", "time_step_chosen", "steps", "record_every", "rows", "columns", "world_scale",
-    "manipulators", "simulated_time_s", "run_time_s", "steps_per_second", "real_time_factor",
+    "time_step_s", "time_step_chosen", "expected_tip_error_relative", "steps",
+    "record_every", "rows", "columns", "world_scale", "manipulators",
+    "simulated_time_s", "run_time_s", "steps_per_second", "real_time_factor",
 ]  # fmt: skip
 OF_THE_MACHINE = {"engine", "numpy", "python", "platform"}
 OF_THE_RUN = {"run_time_s", "steps_per_second", "real_time_factor"}
@@ -46,6 +47,7 @@ def test_the_values(found: dict[str, object]) -> None:
         "integrator": "implicit",
         "time_step_s": 1e-3,
         "time_step_chosen": False,
+        "expected_tip_error_relative": None,
         "steps": 500,
         "record_every": 10,
         "rows": 51,

@@ -38,6 +38,7 @@ def test_what_is_assumed() -> None:
         "every": 1,
         "reference": None,
         "is_step_chosen": False,
+        "expected_error": None,
         "columns": ("joint_angles", "tip_position"),
     }
     (one,) = found.manipulators
