@@ -49,7 +49,7 @@ demo: sync ## compile the finger, simulate it for 2000 steps, show where its tip
 test: sync ## run the tests
 	$(RUN) pytest
 
-test-all: ## run the tests on every Python from 3.10 to 3.13 that is found, each in its own environment
+test-all: ## run the tests, but for the slow ones, on every Python from 3.10 to 3.13 that is found
 	@for version in $(VERSIONS); do \
 	  .ci/find-python -q python$$version >/dev/null || echo "Python $$version: not found, not tested"; \
 	done
@@ -57,7 +57,7 @@ test-all: ## run the tests on every Python from 3.10 to 3.13 that is found, each
 	for version in $(VERSIONS); do \
 	  python=$$(.ci/find-python -q python$$version) || continue; \
 	  echo "Python $$version:"; tested=yes; \
-	  PYTEST_ADDOPTS=-q $(MAKE) --no-print-directory VENV=.venv-$$version PYTHON="$$python" test \
+	  PYTEST_ADDOPTS="-q -m 'not slow and not bench'" $(MAKE) --no-print-directory VENV=.venv-$$version PYTHON="$$python" test \
 	    || failed="$$failed $$version"; \
 	done; \
 	if [ -z "$$tested" ]; then echo "no Python was found to test on" >&2; exit 1; fi; \

@@ -14,6 +14,8 @@ from tests.extreme.edge import MARGIN, edge, is_stable, predicted_limit
 from tests.extreme.trial import Outcome, outcome
 from tests.extreme.verdict import HEADER, Verdict, matrix, summary, verdict
 
+pytestmark = pytest.mark.slow
+
 CASES = {case.name: case for case in read_cases()}
 # each broke a law before it was as it is now, or is the farthest of its kind
 HOLD = (

@@ -13,6 +13,8 @@ from tests.bench.accuracy import MOTIONS, scene_of, truth_of
 from tests.truth import against_mujoco, beams, estimates, motion
 from tests.truth.table import Row, lines, ordered
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("load", [1, 10])
 def test_a_chain_under_a_force_nears_the_elastica(load: float) -> None:

@@ -21,6 +21,8 @@ from somo_cli.simulation.scene import Integrator, Scene
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.simulation.test_physics import THROWN
 
+pytestmark = pytest.mark.slow
+
 DURATION, EVERY, FINE = 1.0, 0.02, 1e-4  # s
 AXES = "manipulators[0].definition.actuator_definitions[0].joint_definitions"
 

@@ -18,6 +18,8 @@ from somo_cli.simulation.vibration import largest_explicit_step
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.simulation.test_physics import HINGE, INERTIA, JOINTS, THROWN
 
+pytestmark = pytest.mark.slow
+
 CUT = "manipulators[0].definition.actuator_definitions[0]"
 
 

@@ -22,6 +22,8 @@ from somo_cli.simulation.scene import Scene
 from tests.loading import scene_from_file, scene_from_text
 from tests.simulation.test_physics import HINGE
 
+pytestmark = pytest.mark.slow
+
 ALL = ("implicit", "euler", "explicit")
 
 
