@@ -17,8 +17,8 @@ FORMATS = ("png", "svg")
 def draw(study: Study, title: str) -> dict[str, bytes]:
     """Return the diagram of a study in every format; the same bytes for the same numbers.
 
-    Points are labelled with their time steps, chains of different numbers of segments with that
-    number. Horizontal lines tell the error of the reference and, where it is known, that of the
+    Points of the first chain are labelled with their time steps, chains of different numbers of
+    segments with that number. Horizontal lines tell the error of the reference and, where it is known, that of the
     chain against the continuum; a vertical one real time, if it is in sight. Raises ExtraMissing.
     """
     try:
@@ -40,7 +40,8 @@ def _figure(study: Study, title: str) -> Any:
     for number, (name, curve) in enumerate(_curves(study).items()):
         times, errors = zip(*((one.case.run_time, one.solver) for one in curve), strict=True)
         axes.loglog(times, errors, marker=MARKERS[number % len(MARKERS)], label=name)
-        for one in curve:
+        # curves of other numbers of segments run close by: their labels would cover each other
+        for one in curve if curve[0].cut is study.cuts[0] else ():
             axes.annotate(
                 f"{1e3 * one.case.time_step:.3g} ms",
                 (one.case.run_time, one.solver),
