@@ -18,8 +18,9 @@ def draw(study: Study, title: str) -> dict[str, bytes]:
     """Return the diagram of a study in every format; the same bytes for the same numbers.
 
     Points of the first chain are labelled with their time steps, chains of different numbers of
-    segments with that number. Horizontal lines tell the error of the reference and, where it is known, that of the
-    chain against the continuum; a vertical one real time, if it is in sight. Raises ExtraMissing.
+    segments with that number. Horizontal lines tell the error of the reference and, where it is
+    known, that of the chain against the continuum; a vertical one real time, if it is in sight.
+    Raises ExtraMissing.
     """
     try:
         from matplotlib import style
