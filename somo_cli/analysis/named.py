@@ -71,9 +71,8 @@ def exact(scene: Scene, reference: Reference) -> Reference:
     chain = ChainDynamics(body.chain)
     rows = reference.rows.copy()
     angles = _joint_motion(scene, rows[:, 0])
-    base = Pose(body.start.position, geometry.rotation_from_rpy(body.start.rpy))
     length = columns.units_of(plan).length
-    tips = np.array([chain.at([angle], base).tip for angle in angles]) / length
+    tips = np.array([chain.at([angle], body.start.pose).tip for angle in angles]) / length
     exactly = {"joint_angles": angles[:, np.newaxis], "tip_position": tips}
     for group in columns.groups(plan):
         if group.quantity in exactly:

@@ -10,7 +10,6 @@ import numpy as np
 
 from somo_cli.analysis.modes import Modes, modes_at
 from somo_cli.analysis.prediction import LARGEST, Motion, motion_of
-from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.dynamics import ChainDynamics, ChainPose
 from somo_cli.simulation.loads import stiffness_of
@@ -54,7 +53,7 @@ def outlook_of(plan: Plan, body: Body, met: Iterable[tuple[Pose, Array]] = ()) -
     trajectory. Raises NotAnInertia.
     """
     chain = ChainDynamics(body.chain)
-    base = Pose(body.start.position, geometry.rotation_from_rpy(body.start.rpy))
+    base = body.start.pose
     start = chain.at(body.start.angles, base)
     modes = {
         "start": _modes(plan, body, start),

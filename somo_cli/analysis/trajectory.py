@@ -82,8 +82,7 @@ def _pose(
     angles = np.array([row[places[name]] for name in _names(body)])
     base = columns.base_pose_names(body)
     if not all(name in places for name in base):
-        start = body.start
-        return Pose(start.position, geometry.rotation_from_rpy(start.rpy)), angles
+        return body.start.pose, angles
     x, y, z, qx, qy, qz, qw = (row[places[name]] for name in base)
     rotation = geometry.rotation_from_quaternion((qx, qy, qz, qw))
     return Pose((x * length, y * length, z * length), rotation), angles

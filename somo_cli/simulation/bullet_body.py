@@ -206,7 +206,7 @@ class BulletBody:
         angular velocity given.
         """
         start = self._body.start
-        frame = Pose(start.position, geometry.rotation_from_rpy(start.rpy))
+        frame = start.pose
         rotation = geometry.multiply(frame.rotation, self._inertial_in_base)
         # setting the pose zeroes the velocity, so pose comes first
         self._bullet.resetBasePositionAndOrientation(
@@ -268,7 +268,7 @@ class BulletBody:
 
     def _hold_base(self) -> None:
         start = self._body.start
-        frame = Pose(start.position, geometry.rotation_from_rpy(start.rpy))
+        frame = start.pose
         inverse = geometry.transposed(self._inertial_in_base)
         origin = geometry.rotate(inverse, geometry.subtract(geometry.ZERO, self._com_in_base))
         self._bullet.createConstraint(

@@ -28,8 +28,7 @@ class BodyLoads:
         self._chain = ChainDynamics(body.chain)
         self._base_pose = base_pose
         if body.base == "static":
-            start = body.start
-            held = Pose(start.position, geometry.rotation_from_rpy(start.rpy))
+            held = body.start.pose
             self._base_pose = lambda: held
         self._loads = [
             (load.link, np.array(load.point), np.array(load.force), np.array(load.moment))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from somo_cli.manipulator import urdf
+from somo_cli.manipulator import geometry, urdf
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.dimensions import (
     Acceleration,
@@ -17,6 +17,7 @@ from somo_cli.manipulator.dimensions import (
     scaled,
 )
 from somo_cli.manipulator.geometry import Vector
+from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation import signal
 from somo_cli.simulation.scene import (
     Actuation,
@@ -68,6 +69,11 @@ class Start:
     angular_velocity: tuple[AngularRate, AngularRate, AngularRate]
     angles: tuple[Angle, ...]
     rates: tuple[AngularRate, ...]
+
+    @property
+    def pose(self) -> Pose:
+        """The pose of the base frame in the world."""
+        return Pose(self.position, geometry.rotation_from_rpy(self.rpy))
 
 
 @dataclass(frozen=True, slots=True)

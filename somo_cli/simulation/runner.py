@@ -12,7 +12,6 @@ import numpy as np
 
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
-from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.dynamics import ChainDynamics, ChainPose
 from somo_cli.simulation.loads import BodyLoads
 from somo_cli.simulation.manner import fastest_fall, pendulum, staleness
@@ -234,9 +233,7 @@ class Runner:
 
     def _pose(self) -> ChainPose:
         """Return the chain as it is now, the base as it started, without asking the engine."""
-        start = self.body.start
-        base = Pose(start.position, geometry.rotation_from_rpy(start.rpy))
-        return self.dynamics().at(self.law.angles, base)
+        return self.dynamics().at(self.law.angles, self.body.start.pose)
 
     def go_to_start(
         self,
