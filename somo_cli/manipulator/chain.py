@@ -30,6 +30,7 @@ from somo_cli.manipulator.dimensions import (
     Torque,
 )
 from somo_cli.manipulator.geometry import Vector
+from somo_cli.manipulator.placement import spread
 from somo_cli.manipulator.solids import Box, Cylinder, Inertial, Solid, Sphere
 
 
@@ -147,10 +148,9 @@ def _add_actuator(
 ) -> float:
     link, end = actuator.link, start
     digits = max(2, len(str(actuator.n_segments)))
-    for segment in range(actuator.n_segments + 1):
-        is_half = segment in (0, actuator.n_segments)
+    for segment, fraction in enumerate(actuator.fractions):
         if segment > 0:
-            joint = actuator.joints[segment - 1]
+            joint = spread(actuator.joints[segment - 1], actuator.shares[segment - 1])
             hinge = (joint.offset[0], joint.offset[1], joint.offset[2] + end)
             bodies[-1].shapes.extend(_rounding(link, joint, hinge, bodies[-1].origin))
             if joint.joint_type != "fixed":
@@ -166,17 +166,16 @@ def _add_actuator(
                     )
                 )
                 bodies.append(_Body(f"actuator_{index}_segment_{place}", hinge))
-        solid = solids.half(link.solid) if is_half else link.solid
-        bodies[-1].add(link, solid, _inertial(link, is_half), end)
+        solid = solids.part(link.solid, fraction)
+        bodies[-1].add(link, solid, _inertial(link, fraction), end)
         end += solids.height(solid)
     return end
 
 
-def _inertial(link: LinkDefinition, is_half: bool = False) -> Inertial:
+def _inertial(link: LinkDefinition, fraction: float = 1.0) -> Inertial:
     full = link.inertia or solids.inertia(link.solid, link.mass)
-    if is_half:
-        return Inertial(link.mass / 2, geometry.ZERO, solids.half_inertia(link.solid, full))
-    return Inertial(link.mass, geometry.ZERO, full)
+    part = solids.part_inertia(link.solid, full, fraction)
+    return Inertial(link.mass * fraction, geometry.ZERO, part)
 
 
 def _hinge(

@@ -29,6 +29,7 @@ from somo_cli.manipulator.solids import Solid
 
 ShapeType = Literal["box", "cylinder", "sphere", "stadium", "capsule"]
 JointType = Literal["revolute", "continuous", "fixed"]
+Placement = Literal["uniform", "gauss"]
 
 MAXIMUM_JOINTS = 121
 """PyBullet 3.2.7 silently ignores every command to the 122nd joint of a body and later ones."""
@@ -84,16 +85,21 @@ class JointDefinition:
 
 @dataclass(frozen=True, slots=True)
 class ActuatorDefinition:
-    """`n_segments` joints between links of equal shape, the two end links of half the length.
+    """`n_segments` joints between links of one shape, placed as `placement` says.
 
-    `joints` has one entry per joint, base to tip; `channels` says for each which of the
-    actuator's axes drives it, and `spans` how much backbone it stands for.
+    `joints` has one entry per joint, base to tip, each as an evenly placed one would be;
+    `channels` says for each which of the actuator's axes drives it, `spans` how much backbone it
+    stands for, and `shares` that over what an evenly placed one does. `fractions` holds the
+    lengths of the links, one more, over that of `link`; evenly placed, the end links are halves.
     """
 
     link: LinkDefinition
+    placement: Placement
     joints: tuple[JointDefinition, ...]
     channels: tuple[int, ...]
     spans: tuple[Length, ...]
+    shares: tuple[Number, ...]
+    fractions: tuple[Number, ...]
 
     @property
     def n_segments(self) -> int:

@@ -86,6 +86,7 @@ def _actuator_faults(document: Document, at: Pointer, is_sound: IsSound) -> Iter
     if "n_segments" in data and all(is_sound(pointer) for pointer in needed):
         yield from _count_faults(document, at, data, len(joints), is_sound)
         yield from _length_faults(document, at, data, is_sound)
+    yield from _placement_faults(document, at, data, is_sound)
 
 
 def _count_faults(
@@ -125,6 +126,23 @@ def _count_faults(
                     f"{axes[0]}",
                     "use planar_flag 0 for several axes",
                 )
+
+
+def _placement_faults(
+    document: Document, at: Pointer, data: Mapping[str, Any], is_sound: IsSound
+) -> Iterator[Problem]:
+    link = data.get("link_definition")
+    if (
+        isinstance(link, Mapping)
+        and is_sound((*at, "link_definition"))
+        and data.get("joint_placement") == "gauss"
+        and link["shape_type"] == "sphere"
+    ):
+        yield Problem(
+            document.span((*at, "joint_placement")),
+            "joint_placement gauss needs links that can be shorter or longer, not spheres",
+            "use a cylinder, a capsule or a box, or joint_placement: uniform",
+        )
 
 
 def _length_faults(

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from somo_cli.document.parse import Document
+from somo_cli.manipulator import placement
 from somo_cli.manipulator.definition import (
     ActuatorDefinition,
     Definition,
@@ -80,11 +81,12 @@ def _actuator(data: Mapping[str, Any]) -> ActuatorDefinition:
     count = int(data["n_segments"])
     is_alternating = int(data.get("planar_flag", 1 if len(definitions) == 1 else 0)) == 0
     turns = [index % len(definitions) for index in range(count)]
-    return ActuatorDefinition(
-        link=link,
-        joints=tuple(definitions[turn] for turn in turns),
-        channels=tuple(turns) if is_alternating else (0,) * count,
-        spans=((len(definitions) if is_alternating else 1) * link.height,) * count,
+    return placement.placed(
+        link,
+        data.get("joint_placement", "uniform"),
+        tuple(definitions[turn] for turn in turns),
+        tuple(turns) if is_alternating else (0,) * count,
+        len(definitions) if is_alternating else 1,
     )
 
 

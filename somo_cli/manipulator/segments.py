@@ -8,6 +8,7 @@ from dataclasses import replace
 from somo_cli.manipulator import chain
 from somo_cli.manipulator.compile import Compiled
 from somo_cli.manipulator.definition import ActuatorDefinition, JointDefinition, LinkDefinition
+from somo_cli.manipulator.placement import placed, spread
 from somo_cli.manipulator.solids import Box, Cylinder
 
 
@@ -61,14 +62,14 @@ def _cut_actuator(actuator: ActuatorDefinition, index: int, count: int) -> Actua
     if count < axes:
         raise NotUniform(f"actuator {index} has {axes} axes, which need as many segments")
     share = actuator.n_segments / count
-    joints = {channel: _cut_joint(joint, share) for channel, joint in by_channel.items()}
-    turns = [number % axes for number in range(count)]
-    link = _cut_link(actuator.link, share, index)
-    return ActuatorDefinition(
-        link=link,
-        joints=tuple(joints[turn] for turn in turns),
-        channels=tuple(turns),
-        spans=(axes * link.height,) * count,
+    joints = {channel: spread(joint, share) for channel, joint in by_channel.items()}
+    turns = tuple(number % axes for number in range(count))
+    return placed(
+        _cut_link(actuator.link, share, index),
+        actuator.placement,
+        tuple(joints[turn] for turn in turns),
+        turns,
+        axes,
     )
 
 
@@ -82,17 +83,3 @@ def _cut_link(link: LinkDefinition, share: float, index: int) -> LinkDefinition:
     else:
         raise NotUniform(f"the links of actuator {index} are spheres, which have no length")
     return replace(link, solid=shorter, mass=link.mass * share, inertia=None)
-
-
-def _cut_joint(joint: JointDefinition, share: float) -> JointDefinition:
-    # a joint without limits has lower > upper, and other readers know just one such pair
-    limit = share if joint.lower <= joint.upper else 1.0
-    return replace(
-        joint,
-        lower=joint.lower * limit,
-        upper=joint.upper * limit,
-        velocity=joint.velocity * share,
-        stiffness=joint.stiffness / share,
-        damping=joint.damping / share,
-        neutral_position=joint.neutral_position * share,
-    )

@@ -1,4 +1,4 @@
-"""Box, cylinder and sphere: their height along the backbone, inertia, and halves."""
+"""Box, cylinder and sphere: their height along the backbone, inertia, and parts."""
 
 from __future__ import annotations
 
@@ -58,13 +58,13 @@ def height(solid: Solid) -> float:
     return 2 * solid.radius
 
 
-def half(solid: Solid) -> Solid:
-    """Return the half-length solid that ends an actuator; a sphere has half its radius."""
+def part(solid: Solid, fraction: float) -> Solid:
+    """Return the solid at this fraction of its height, such as a half; a sphere of its radius."""
     if isinstance(solid, Box):
-        return replace(solid, size=(solid.size[0], solid.size[1], solid.size[2] / 2))
+        return replace(solid, size=(solid.size[0], solid.size[1], solid.size[2] * fraction))
     if isinstance(solid, Cylinder):
-        return replace(solid, length=solid.length / 2)
-    return replace(solid, radius=solid.radius / 2)
+        return replace(solid, length=solid.length * fraction)
+    return replace(solid, radius=solid.radius * fraction)
 
 
 def inertia(solid: Solid, mass: float) -> Tensor:
@@ -83,26 +83,28 @@ def inertia(solid: Solid, mass: float) -> Tensor:
     return (moment, 0.0, 0.0, moment, 0.0, moment)
 
 
-def half_inertia(solid: Solid, full: Tensor) -> Tensor:
-    """Return the inertia of `half(solid)` at half the mass, when the full solid has `full`.
+def part_inertia(solid: Solid, full: Tensor, fraction: float) -> Tensor:
+    """Return the inertia of `part(solid, f)` at f times the mass, when the full solid has `full`.
 
-    The half is the full body squeezed by a linear map A at equal density, up to a factor on the
-    mass, so its second moments S = ∫ρ r rᵀ are ½ A S A; inertia and second moments are related
-    by I = tr(S) 1 - S. For a homogeneous solid this equals `inertia(half(solid), mass / 2)`.
+    The part is the full body squeezed by a linear map A at equal density, up to a factor on the
+    mass, so its second moments S = ∫ρ r rᵀ are f A S A; inertia and second moments are related
+    by I = tr(S) 1 - S. For a homogeneous solid this equals `inertia(part(solid, f), f * mass)`.
     """
-    across = 0.5 if isinstance(solid, Sphere) else 1.0
-    squeeze = (across, across, 0.5)
+    if fraction == 1:
+        return full
+    across = fraction if isinstance(solid, Sphere) else 1.0
+    squeeze = (across, across, fraction)
     xx, xy, xz, yy, yz, zz = full
     half_trace = (xx + yy + zz) / 2
-    s_xx = 0.5 * (half_trace - xx) * squeeze[0] ** 2
-    s_yy = 0.5 * (half_trace - yy) * squeeze[1] ** 2
-    s_zz = 0.5 * (half_trace - zz) * squeeze[2] ** 2
+    s_xx = fraction * (half_trace - xx) * squeeze[0] ** 2
+    s_yy = fraction * (half_trace - yy) * squeeze[1] ** 2
+    s_zz = fraction * (half_trace - zz) * squeeze[2] ** 2
     return (
         s_yy + s_zz,
-        0.5 * xy * squeeze[0] * squeeze[1],
-        0.5 * xz * squeeze[0] * squeeze[2],
+        fraction * xy * squeeze[0] * squeeze[1],
+        fraction * xz * squeeze[0] * squeeze[2],
         s_xx + s_zz,
-        0.5 * yz * squeeze[1] * squeeze[2],
+        fraction * yz * squeeze[1] * squeeze[2],
         s_xx + s_yy,
     )
 

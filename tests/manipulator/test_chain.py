@@ -249,7 +249,7 @@ def test_a_declared_inertia_is_used_as_declared() -> None:
     chain = chain_of(manipulator(actuator(2, X, link=link), base_definition={**link, "mass": 0.01}))
     full = chain.links[1].inertial
     assert full.inertia == tuple(declared)
-    half = solids.half_inertia(Box((0.023, 0.017, 0.02)), tuple(declared))
+    half = solids.part_inertia(Box((0.023, 0.017, 0.02)), tuple(declared), 0.5)
     assert chain.links[2].inertial.inertia == pytest.approx(half, rel=1e-15)
     # base and first half link, lumped
     parts = [(0.01, 0.01, tuple(declared)), (0.0015, 0.025, half)]

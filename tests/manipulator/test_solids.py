@@ -31,7 +31,7 @@ def test_heights() -> None:
 
 
 def test_halves() -> None:
-    assert [solids.half(solid) for solid in SOLIDS] == [
+    assert [solids.part(solid, 0.5) for solid in SOLIDS] == [
         Box((0.023, 0.017, 0.01)),
         Cylinder(0.015, 0.01),
         Sphere(0.0075),
@@ -40,7 +40,7 @@ def test_halves() -> None:
 
 @pytest.mark.parametrize("solid", SOLIDS)
 def test_a_half_is_half_as_high(solid: Solid) -> None:
-    assert solids.height(solids.half(solid)) == solids.height(solid) / 2
+    assert solids.height(solids.part(solid, 0.5)) == solids.height(solid) / 2
 
 
 @pytest.mark.parametrize("solid", SOLIDS)
@@ -55,8 +55,8 @@ def test_the_inertia_is_that_of_a_mesh(solid: Solid) -> None:
 
 @pytest.mark.parametrize("solid", SOLIDS)
 def test_half_the_inertia_is_that_of_the_half_solid(solid: Solid) -> None:
-    found = solids.half_inertia(solid, solids.inertia(solid, 0.1))
-    assert found == pytest.approx(solids.inertia(solids.half(solid), 0.05), rel=1e-14)
+    found = solids.part_inertia(solid, solids.inertia(solid, 0.1), 0.5)
+    assert found == pytest.approx(solids.inertia(solids.part(solid, 0.5), 0.05), rel=1e-14)
 
 
 def test_half_a_declared_inertia_is_that_of_the_squeezed_body() -> None:
@@ -68,9 +68,9 @@ def test_half_a_declared_inertia_is_that_of_the_squeezed_body() -> None:
         parts = [Inertial(mass / 8, tuple(place), (0.0,) * 6) for place in places]
         return solids.lumped(tuple(parts)).inertia
 
-    half = solids.half_inertia(SOLIDS[0], inertia(points, 1.6))
+    half = solids.part_inertia(SOLIDS[0], inertia(points, 1.6), 0.5)
     assert half == pytest.approx(inertia(points * [1, 1, 0.5], 0.8), rel=1e-14)
-    half = solids.half_inertia(SOLIDS[2], inertia(points, 1.6))
+    half = solids.part_inertia(SOLIDS[2], inertia(points, 1.6), 0.5)
     assert half == pytest.approx(inertia(points * 0.5, 0.8), rel=1e-14)
 
 
