@@ -24,6 +24,7 @@ from somo_cli.manipulator.dimensions import (
     Scale,
     Stiffness,
     Torque,
+    TorquePerPressure,
 )
 from somo_cli.manipulator.solids import Solid
 
@@ -68,7 +69,10 @@ class LinkDefinition:
 
 @dataclass(frozen=True, slots=True)
 class JointDefinition:
-    """A hinge with a spring, a damper and dry friction; `offset` moves it off the backbone."""
+    """A hinge with a spring, a damper and dry friction; `offset` moves it off the backbone.
+
+    `torque_per_pressure` is None where the actuator's pressure is not known to bend it.
+    """
 
     joint_type: JointType
     axis: Direction
@@ -80,6 +84,7 @@ class JointDefinition:
     damping: Damping
     neutral_position: Angle
     friction: Torque
+    torque_per_pressure: TorquePerPressure | None
     offset: Position
 
 

@@ -36,6 +36,7 @@ Mass = Annotated[float, Dimension(mass=1)]  # kg
 Inertia = Annotated[float, Dimension(mass=1, length=2)]  # kg·m²
 Force = Annotated[float, Dimension(mass=1, length=1, time=-2)]  # N
 Torque = Annotated[float, Dimension(mass=1, length=2, time=-2)]  # N·m
+TorquePerPressure = Annotated[float, Dimension(length=3)]  # N·m/Pa
 Stiffness = Annotated[float, Dimension(mass=1, length=2, time=-2)]  # N·m/rad
 Damping = Annotated[float, Dimension(mass=1, length=2, time=-1)]  # N·m·s/rad
 

@@ -96,6 +96,7 @@ def _joint(data: Mapping[str, Any]) -> JointDefinition:
     if data["joint_type"] == "continuous":
         lower, upper = 0.0, -1.0
     offset = data.get("neutral_axis_offset") or (0,) * 6
+    per_pressure = data.get("torque_per_pressure")
     return JointDefinition(
         joint_type=data["joint_type"],
         axis=_three(data.get("axis") or (1, 0, 0)),
@@ -107,6 +108,7 @@ def _joint(data: Mapping[str, Any]) -> JointDefinition:
         damping=float(data.get("spring_damping") or 0),
         neutral_position=float(data.get("joint_neutral_position") or 0),
         friction=float(data.get("joint_control_limit_force") or 0),
+        torque_per_pressure=None if per_pressure is None else float(per_pressure),
         offset=_three(offset[:3]),
     )
 

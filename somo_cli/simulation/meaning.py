@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from somo_cli.document.include import unread
@@ -15,9 +15,8 @@ from somo_cli.manipulator.compile import compile_sound
 from somo_cli.manipulator.dimensions import Scale
 from somo_cli.manipulator.meaning import IsSound
 from somo_cli.problems import Pointer, Problem, has_errors, in_reading_order
-from somo_cli.simulation import load_meaning
+from somo_cli.simulation import actuation_meaning, load_meaning
 from somo_cli.simulation.scene import PLACES_OF_FILES, name_of, per_joint
-from somo_cli.simulation.waypoint_meaning import waypoint_faults
 
 
 def faults(document: Document) -> tuple[Problem, ...]:
@@ -132,7 +131,7 @@ def _manipulator_faults(
     for number, entry in enumerate(entries):
         place = (*at, "actuation", number)
         if isinstance(entry, Mapping) and is_sound(place):
-            yield from _torque_faults(document, place, entry)
+            yield from actuation_meaning.faults(document, place, entry)
     is_compilable = is_sound((*at, "definition")) and "definition" in data
     loads = data.get("loads")
     loads = loads if isinstance(loads, list) else []
@@ -149,34 +148,12 @@ def _manipulator_faults(
             )
         yield from _start_faults(document, at, data, compiled.chain, is_sound)
         if is_sound((*at, "actuation")):
-            yield from _reference_faults(document, (*at, "actuation"), entries, compiled.chain)
+            place = (*at, "actuation")
+            yield from actuation_meaning.faults_of_axes(document, place, entries, compiled)
         for number, entry in enumerate(loads):
             place = (*at, "loads", number)
             if is_sound(place):
                 yield from load_meaning.faults_of_link(document, place, entry, compiled.chain)
-
-
-def _torque_faults(document: Document, at: Pointer, data: Mapping[str, Any]) -> Iterator[Problem]:
-    if ("torque" in data) == ("waypoints" in data):
-        has_both = "torque" in data
-        yield Problem(
-            document.span((*at, "waypoints") if has_both else at, key=True),
-            "both torque and waypoints are given" if has_both else "missing torque or waypoints",
-            "torque holds all the time, waypoints are [time, torque] pairs: keep one of them"
-            if has_both
-            else "give a constant torque, or waypoints: [[time, torque], ...]",
-        )
-        return
-    if "torque" in data:
-        for key in ("interpolation", "repeat"):
-            if key in data:
-                yield Problem(
-                    document.span((*at, key), key=True),
-                    f"{key} has no meaning beside a constant torque",
-                    "leave it out, or give waypoints in place of torque",
-                )
-        return
-    yield from waypoint_faults(document, at, data, "torque", " N·m")
 
 
 def _start_faults(
@@ -218,33 +195,3 @@ def _limit_faults(
         )
         if not is_list:  # one number for all joints is one fault
             return
-
-
-def _reference_faults(
-    document: Document, at: Pointer, entries: list[Any], chain: Chain
-) -> Iterator[Problem]:
-    axes: dict[int, set[int]] = {}
-    for joint in chain.joints:
-        axes.setdefault(joint.actuator, set()).add(joint.channel)
-    seen: set[tuple[int, int]] = set()
-    for number, entry in enumerate(entries):
-        actuator, axis = int(entry["actuator"]), int(entry["axis"])
-        place = document.span((*at, number, "actuator"))
-        if actuator not in axes:
-            hint = _known("actuator", axes)
-            yield Problem(place, f"there is no actuator {actuator}", hint)
-        elif axis not in axes[actuator]:
-            message = f"actuator {actuator} has no axis {axis}"
-            hint = _known("axis", axes[actuator])
-            yield Problem(document.span((*at, number, "axis")), message, hint)
-        elif (actuator, axis) in seen:
-            message = f"actuator {actuator}, axis {axis} is driven twice"
-            yield Problem(place, message, "keep one entry, or add the torques")
-        seen.add((actuator, axis))
-
-
-def _known(thing: str, numbers: Iterable[int]) -> str:
-    known = [str(number) for number in sorted(numbers)]
-    if len(known) == 1:
-        return f"the only {thing} is {known[0]}"
-    return f"the {'axes' if thing == 'axis' else thing + 's'} are {', '.join(known)}"

@@ -11,6 +11,7 @@ from somo_cli.manipulator import read as manipulator_read
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.compile import PLACES_OF_FILES as PLACES_IN_DEFINITION
 from somo_cli.manipulator.compile import Compiled, compile_sound
+from somo_cli.manipulator.definition import Definition
 from somo_cli.manipulator.dimensions import Force, Number, Position, Scale, Time, Torque
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.problems import Pointer
@@ -183,7 +184,9 @@ def _manipulator(document: Document, index: int, data: Any) -> Manipulator:
         initial_rates=per_joint(data.get("initial_rates", 0), count),
         linear_velocity=_vector(data.get("linear_velocity", (0, 0, 0))),
         angular_velocity=_vector(data.get("angular_velocity", (0, 0, 0))),
-        actuation=tuple(_actuation(item) for item in data.get("actuation", ())),
+        actuation=tuple(
+            _actuation(item, compiled.definition) for item in data.get("actuation", ())
+        ),
         loads=tuple(_load(item, compiled.chain) for item in data.get("loads", ())),
     )
 
@@ -198,15 +201,34 @@ def per_joint(value: Any, count: int) -> tuple[float, ...]:
     return tuple(map(float, value)) if isinstance(value, list) else (float(value),) * count
 
 
-def _actuation(data: Any) -> Actuation:
-    if "torque" in data:
-        waypoints: tuple[tuple[float, float], ...] = ((0.0, float(data["torque"])),)
-    else:
-        waypoints = tuple((float(time), float(torque)) for time, torque in data["waypoints"])
+class AmbiguousPressure(ValueError):
+    """The joints of one axis turn pressure into torque each in its own way."""
+
+
+def torque_per_pressure(definition: Definition, actuator: int, axis: int) -> float | None:
+    """Return the torque on every joint of an axis per pressure [N·m/Pa], None if not said.
+
+    Raises AmbiguousPressure.
+    """
+    one = definition.actuators[actuator]
+    pairs = zip(one.channels, one.joints, strict=True)
+    found = {joint.torque_per_pressure for channel, joint in pairs if channel == axis}
+    if len(found) > 1:
+        raise AmbiguousPressure
+    return found.pop()
+
+
+def _actuation(data: Any, definition: Definition) -> Actuation:
+    actuator, axis = int(data["actuator"]), int(data["axis"])
+    factor = 1.0
+    if "pressure" in data or data.get("input") == "pressure":
+        factor = torque_per_pressure(definition, actuator, axis) or 0.0
+    constant = data.get("torque", data.get("pressure"))
+    points = data["waypoints"] if constant is None else ((0, constant),)
     return Actuation(
-        actuator=int(data["actuator"]),
-        axis=int(data["axis"]),
-        waypoints=waypoints,
+        actuator=actuator,
+        axis=axis,
+        waypoints=tuple((float(time), float(value) * factor) for time, value in points),
         interpolation=data.get("interpolation", "linear"),
         repeat=bool(data.get("repeat", False)),
     )

@@ -105,6 +105,7 @@ def test_a_joint_in_full() -> None:
         "joint_neutral_position": 0.7,
         "neutral_axis_offset": [1, 2, 3, 0, 0, 0],
         "joint_control_limit_force": 8,
+        "torque_per_pressure": -9,
     }
     assert joint_of(data) == JointDefinition(
         joint_type="revolute",
@@ -117,6 +118,7 @@ def test_a_joint_in_full() -> None:
         damping=6.0,
         neutral_position=0.7,
         friction=8.0,
+        torque_per_pressure=-9.0,
         offset=(1.0, 2.0, 3.0),
     )
 
@@ -124,10 +126,27 @@ def test_a_joint_in_full() -> None:
 def test_a_joint_in_short() -> None:
     joint = joint_of({"joint_type": "continuous", "spring_stiffness": 2})
     assert joint == JointDefinition(
-        "continuous", (1.0, 0.0, 0.0), 0.0, -1.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, (0.0, 0.0, 0.0)
+        joint_type="continuous",
+        axis=(1.0, 0.0, 0.0),
+        lower=0.0,
+        upper=-1.0,
+        effort=0.0,
+        velocity=0.0,
+        stiffness=2.0,
+        damping=0.0,
+        neutral_position=0.0,
+        friction=0.0,
+        torque_per_pressure=None,
+        offset=(0.0, 0.0, 0.0),
     )
     nulls = dict.fromkeys(
-        ("limits", "joint_neutral_position", "neutral_axis_offset", "joint_control_limit_force")
+        (
+            "limits",
+            "joint_neutral_position",
+            "neutral_axis_offset",
+            "joint_control_limit_force",
+            "torque_per_pressure",
+        )
     )
     assert joint_of({"joint_type": "continuous", "spring_stiffness": 2, **nulls}) == joint
 

@@ -66,13 +66,46 @@ def test_a_base_that_is_held_has_no_velocity() -> None:
 
 
 def test_a_drive_has_torque_or_way_points() -> None:
-    assert [message for _, message in told_of_drive()] == ["missing torque or waypoints"]
+    assert [message for _, message in told_of_drive()] == ["missing torque, pressure or waypoints"]
     both = told_of_drive(torque=1, waypoints=[[0, 1]])
     assert both == [('"waypoints"', "both torque and waypoints are given")]
     for key, value in (("interpolation", "cubic"), ("repeat", True)):
         assert told_of_drive(torque=1, **{key: value}) == [
             (f'"{key}"', f"{key} has no meaning beside a constant torque")
         ]
+
+
+def driven(per_pressure: list[float | None], **of_drive: Any) -> list[Told]:
+    joints = [hinge(1, 0, 0, torque_per_pressure=value) for value in per_pressure]
+    body = manipulator(actuator(len(joints), *joints, planar_flag=2))
+    entry = {"actuator": 0, "axis": 0, **of_drive}
+    return told(definition=body, actuation=[entry])
+
+
+def test_pressure_needs_to_be_known_as_torque() -> None:
+    for drive, key in (
+        ({"pressure": 1e5}, '"pressure"'),
+        ({"waypoints": [[0, 1e5]], "input": "pressure"}, '"input"'),
+    ):
+        assert driven([5e-7, 5e-7], **drive) == []
+        none = (key, "the joints of actuator 0, axis 0 have no torque_per_pressure")
+        assert driven([None, None], **drive) == [none]
+        differing = (key, "the joints of actuator 0, axis 0 differ in torque_per_pressure")
+        assert driven([5e-7, 6e-7], **drive) == [differing]
+    assert driven([None, None], waypoints=[[0, 1]], input="torque") == []
+
+
+def test_a_drive_has_one_input() -> None:
+    assert driven([1.0, 1.0], torque=1, pressure=1) == [
+        ('"pressure"', "both torque and pressure are given")
+    ]
+    assert driven([1.0, 1.0], pressure=1, input="pressure") == [
+        ('"input"', "input has no meaning beside a constant pressure")
+    ]
+    cubic = {"interpolation": "cubic", "repeat": True, "input": "pressure"}
+    assert [message for _, message in driven([1.0, 1.0], waypoints=[[0, 1], [1, 2]], **cubic)] == [
+        "a repeated cubic ends at the pressure it starts with, 1 Pa, not 2 Pa"
+    ]
 
 
 def test_times_increase() -> None:
@@ -219,7 +252,7 @@ def test_all_faults_come_at_once_and_in_reading_order() -> None:
     assert [message for _, message in found] == [
         "linear_velocity is for a base that can move, this one is static",
         "initial_angles has 1 values for 3 joints",
-        "missing torque or waypoints",
+        "missing torque, pressure or waypoints",
         "expected a number, found the string 'much'",
         "0 must be greater than 0",
         "unknown key 'colour'",

@@ -135,6 +135,26 @@ def test_loads_are_on_links_of_the_chain() -> None:
         scene.link_index("elbow", one.compiled.chain)
 
 
+def test_a_pressure_becomes_the_torque_that_the_joints_make_of_it() -> None:
+    body = manipulator(actuator(2, X | {"torque_per_pressure": -5e-7}, Y))
+    points = [[0, 0], [1, 2e5]]
+    data = [
+        {"actuator": 0, "axis": 0, "pressure": 1e5},
+        {"actuator": 0, "axis": 0, "waypoints": points, "input": "pressure"},
+        {"actuator": 0, "axis": 1, "waypoints": points, "input": "torque"},
+    ]
+    found = [
+        with_one(definition=body, actuation=[entry]).manipulators[0].actuation[0].waypoints
+        for entry in data
+    ]
+    factor = -5e-7
+    assert found == [
+        ((0.0, factor * 1e5),),
+        ((0.0, 0.0), (1.0, factor * 2e5)),
+        ((0.0, 0.0), (1.0, 2e5)),
+    ]
+
+
 def test_whole_numbers_become_floats() -> None:
     one = with_one(position=[1, 2, 3], initial_angles=1).manipulators[0]
     assert all(type(value) is float for value in (*one.position, *one.initial_angles))
