@@ -1,0 +1,262 @@
+"""A CSV of numbers under a header, as it was written, with the place of every cell."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from itertools import dropwhile
+
+from somo_cli.problems import LINE_BREAK, InvalidFile, Problem, Span
+
+MOST_FAULTS = 20
+"""The most faults of one file that are reported: what is wrong in one row is often so in all."""
+
+_CELL = re.compile(r'[ \t]*(?:"(?P<quoted>(?:[^"]|"")*)"[ \t]*(?=,|$)|(?P<plain>[^,]*))')
+_NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+_NOT_FINITE = re.compile(r"[-+]?(?:inf|infinity|nan)", re.IGNORECASE)
+_OTHER_SEPARATOR = re.compile(r"\S\s*?([;\t])")
+_POINT = "are these decimal commas? write 0.5, not 0,5"
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Columns of finite numbers, the text they were written in, and the line of each row.
+
+    The first of the `lines` is that of the header; they count from 1.
+    """
+
+    source: str
+    text: str
+    names: tuple[str, ...]
+    columns: Mapping[str, tuple[float, ...]]
+    lines: tuple[int, ...]
+
+    @property
+    def texts(self) -> Mapping[str, str]:
+        """The text by its source, as InvalidFile takes it."""
+        return {self.source: self.text}
+
+    def header_span(self, name: str) -> Span:
+        """Say where the name of a column is written; raise ValueError if there is no such one."""
+        return self._span(self.lines[0], name)
+
+    def cell_span(self, row: int, name: str) -> Span:
+        """Say where a number is written; row 0 is the first under the header."""
+        return self._span(self.lines[1:][row], name)
+
+    def _span(self, line: int, name: str) -> Span:
+        cells = _cells(LINE_BREAK.split(self.text)[line - 1])
+        return cells[self.names.index(name)].span(self.source, line)
+
+
+@dataclass(frozen=True, slots=True)
+class _Cell:
+    value: str
+    column: int
+    width: int
+
+    def span(self, source: str, line: int) -> Span:
+        return Span(source, line, self.column, max(1, self.width))
+
+
+def read_table(text: str, source: str) -> Table:
+    """Read a CSV: a header that names the columns, and rows of finite numbers under it.
+
+    Blank lines, and lines that start with '#' above the header, are skipped. Raises InvalidFile
+    with the first MOST_FAULTS faults.
+    """
+    text = text.removeprefix("\ufeff")
+    texts = {source: text}
+    lines = _lines(text)
+    if not lines:
+        raise InvalidFile([Problem(Span(source, 1, 1), "the file is empty")], texts)
+    (top, header), rows = lines[0], lines[1:]
+    names = tuple(cell.value for cell in _cells(header))
+    problems = _separated(header, Span(source, top, 1))
+    if not problems:
+        problems = _named(header, Span(source, top, 1))
+        if not rows:
+            message = "no row follows the header"
+            problems.append(Problem(_whole(header, Span(source, top, 1)), message))
+        problems.extend(_row_faults(rows, names, source, MOST_FAULTS - len(problems)))
+    if problems:
+        raise InvalidFile(problems[:MOST_FAULTS], texts)
+    numbers = [[float(value) for value in _values(line)] for _, line in rows]
+    columns = dict(zip(names, zip(*numbers, strict=True), strict=True))
+    return Table(source, text, names, columns, tuple(number for number, _ in lines))
+
+
+def faults_of(
+    table: Table,
+    wanted: Sequence[str] = (),
+    increasing: str | None = None,
+    least: int = 0,
+    why: str = "",
+) -> list[Problem]:
+    """Return what a table lacks, all at once.
+
+    It must have the columns that are wanted, and the one that is to rise from each row to the
+    next; and at least so many rows, for the reason given (`why`: "a fit").
+    """
+    columns = dict.fromkeys([*wanted] if increasing is None else [*wanted, increasing])
+    header = LINE_BREAK.split(table.text)[table.lines[0] - 1]
+    place = _whole(header, Span(table.source, table.lines[0], 1))
+    problems = [
+        Problem(place, f"there is no column '{name}'", _nearest(name, table.names))
+        for name in columns
+        if name not in table.columns
+    ]
+    found = len(table.lines) - 1
+    if found < least:
+        message = f"{_count(found, 'row')}, but {why} needs at least {least}"
+        problems.append(Problem(place, message))
+    if increasing is not None and increasing in table.columns:
+        problems.extend(_not_increasing(table, increasing))
+    return problems
+
+
+def require(
+    table: Table,
+    wanted: Sequence[str] = (),
+    increasing: str | None = None,
+    least: int = 0,
+    why: str = "",
+) -> None:
+    """Raise InvalidFile with all that `faults_of` finds, if it finds anything."""
+    problems = faults_of(table, wanted, increasing, least, why)
+    if problems:
+        raise InvalidFile(problems, table.texts)
+
+
+def _lines(text: str) -> list[tuple[int, str]]:
+    # The lines that say something, with their numbers; the first is the header.
+    lines = [each for each in enumerate(LINE_BREAK.split(text), start=1) if each[1].strip()]
+    return list(dropwhile(lambda each: each[1].lstrip().startswith("#"), lines))
+
+
+def _cells(line: str) -> list[_Cell]:
+    cells = []
+    end = -1
+    while end < len(line):
+        match = _CELL.match(line, end + 1)
+        assert match, "an empty cell matches too"
+        quoted = match["quoted"]
+        if quoted is None:
+            plain = match["plain"]
+            value = plain.strip()
+            column, width = match.end() - len(plain.lstrip()) + 1, len(value)
+        else:
+            value = quoted.replace('""', '"').strip()
+            column, width = match.start("quoted"), len(quoted) + 2  # with its quotes
+        cells.append(_Cell(value, column, width))
+        end = match.end()
+    return cells
+
+
+def _values(line: str) -> list[str]:
+    # Most lines have no quotes, and need no places.
+    if '"' in line:
+        return [cell.value for cell in _cells(line)]
+    return [value.strip() for value in line.split(",")]
+
+
+def _separated(header: str, place: Span) -> list[Problem]:
+    if "," in header:
+        return []
+    found = _OTHER_SEPARATOR.search(header.rstrip())
+    if not found:
+        return []
+    span = Span(place.source, place.line, found.end())
+    called = "a tab" if found[1] == "\t" else f"'{found[1]}'"
+    message = f"the columns must be separated by commas, found {called}"
+    return [Problem(span, message, "numbers have a point, as in 0.5,1.2")]
+
+
+def _named(header: str, place: Span) -> list[Problem]:
+    cells = _cells(header)
+    if all(_NUMBER.fullmatch(cell.value) for cell in cells):
+        hint = "name the columns in the first line that does not start with '#'"
+        return [Problem(_whole(header, place), "the columns have no names", hint)]
+    problems = []
+    first: dict[str, int] = {}
+    for cell in cells:
+        span = cell.span(place.source, place.line)
+        if not cell.value:
+            problems.append(Problem(span, "this column has no name", "name it, or drop the comma"))
+        elif cell.value in first:
+            message = f"two columns are named '{_short(cell.value)}'"
+            hint = f"the first one starts in column {first[cell.value]} of this line"
+            problems.append(Problem(span, message, hint))
+        first.setdefault(cell.value, cell.column)
+    return problems
+
+
+def _row_faults(
+    rows: Sequence[tuple[int, str]], names: Sequence[str], source: str, most: int
+) -> list[Problem]:
+    problems: list[Problem] = []
+    wanted = len(names)
+    hint = _POINT if all(len(_values(line)) > wanted for _, line in rows) else ""
+    for number, line in rows:
+        if len(problems) >= most:
+            break
+        place = Span(source, number, 1)
+        found = len(_values(line))
+        if found != wanted:
+            message = f"{_count(found, 'cell')}, but the header names {_count(wanted, 'column')}"
+            problems.append(Problem(_whole(line, place), message, hint))
+        else:
+            problems.extend(_cell_faults(line, place))
+    return problems[: max(0, most)]
+
+
+def _cell_faults(line: str, place: Span) -> Iterator[Problem]:
+    if all(map(_is_number, _values(line))):
+        return
+    for cell in _cells(line):
+        if _is_number(cell.value):
+            continue
+        span = cell.span(place.source, place.line)
+        if not cell.value:
+            yield Problem(span, "this cell is empty", "write a number")
+        elif _NUMBER.fullmatch(cell.value) or _NOT_FINITE.fullmatch(cell.value):
+            message = f"not a finite number: {_short(cell.value)}"
+            yield Problem(span, message, "write an ordinary number, or leave the row out")
+        else:
+            yield Problem(span, f"not a number: {_short(cell.value)!r}", "write it like 0.5")
+
+
+def _is_number(value: str) -> bool:
+    return _NUMBER.fullmatch(value) is not None and math.isfinite(float(value))
+
+
+def _not_increasing(table: Table, name: str) -> Iterator[Problem]:
+    values = table.columns[name]
+    rows = [row for row in range(1, len(values)) if values[row] <= values[row - 1]]
+    if rows:
+        first = rows[0]
+        message = f"'{name}' must increase, found {values[first]} after {values[first - 1]}"
+        more = f", and so in {_count(len(rows) - 1, 'more row')}" if len(rows) > 1 else ""
+        hint = f"each '{name}' must be greater than the one above it"
+        yield Problem(table.cell_span(first, name), message + more, hint)
+
+
+def _whole(line: str, place: Span) -> Span:
+    column = len(line) - len(line.lstrip()) + 1
+    return Span(place.source, place.line, column, len(line.strip()))
+
+
+def _nearest(name: str, known: Sequence[str]) -> str:
+    close = get_close_matches(name, known, n=1)
+    return f"did you mean '{close[0]}'?" if close else f"known columns: {', '.join(known)}"
+
+
+def _count(number: int, thing: str) -> str:
+    return f"{number} {thing}" + ("" if number == 1 else "s")
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= 60 else text[:56] + " ..."
