@@ -22,12 +22,12 @@ _STREAMS = ("/dev/stdin", "/dev/stdout", "/dev/stderr", "/dev/fd/", "/proc/")
 _NO_FOLLOW = getattr(os, "O_NOFOLLOW", 0)
 
 
-def read_text(path: str) -> str:
-    """Return the text of a UTF-8 file, without its byte order mark.
+def read_text(path: str, largest: int = LARGEST_TEXT) -> str:
+    """Return the text of a UTF-8 file of at most `largest` bytes, without its byte order mark.
 
     Raises OSError, or InvalidFile for a file that is too large or in another encoding.
     """
-    return _read(Path(path), path)
+    return _read(Path(path), path, largest)
 
 
 def open_reference(naming_source: str, reference: str) -> tuple[str, str]:
@@ -169,12 +169,12 @@ def partial(path: str) -> Iterator[TextIO]:
     stream.close()
 
 
-def _read(path: Path, source: str) -> str:
+def _read(path: Path, source: str, largest: int = LARGEST_TEXT) -> str:
     with path.open("rb") as stream:
-        content = stream.read(LARGEST_TEXT + 1)
+        content = stream.read(largest + 1)
     start = Span(source, 1, 1)
-    if len(content) > LARGEST_TEXT:
-        raise InvalidFile([Problem(start, f"the file is larger than {LARGEST_TEXT} bytes")])
+    if len(content) > largest:
+        raise InvalidFile([Problem(start, f"the file is larger than {largest} bytes")])
     try:
         return content.decode("utf-8").removeprefix("\ufeff")
     except UnicodeDecodeError as error:

@@ -1,0 +1,99 @@
+"""What a calibration found, as lines of a table."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+from somo_cli.calibration.deflection import Following
+from somo_cli.calibration.levers import Levers
+
+_MOST_PLACES = 8
+
+
+def described(levers: Levers) -> str:
+    """Say where the joints of an axis are, in millimetres."""
+    places = [f"{1000 * place:.4g}" for place in levers.places]
+    if len(places) > _MOST_PLACES:
+        places = [*places[:3], "...", places[-1]]
+    verb = "bends" if levers.kind == "bending" else "twists"
+    axis = ", ".join(f"{value:g}" for value in levers.direction)
+    where = "" if levers.at == levers.length else f", measured at {1000 * levers.at:.4g} mm"
+    count = "1 joint" if levers.count == 1 else f"{levers.count} joints"
+    return (
+        f"{verb} about [{axis}], {count} at {', '.join(places)} mm "
+        f"of {1000 * levers.length:.4g} mm{where}"
+    )
+
+
+def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    """Return lines with every column as wide as it must be: the first to the left, others right."""
+    widths = [max(len(row[place]) for row in [header, *rows]) for place in range(len(header))]
+    return [
+        "  ".join(
+            [
+                row[0].ljust(widths[0]),
+                *(c.rjust(w) for c, w in zip(row[1:], widths[1:], strict=True)),
+            ]
+        ).rstrip()
+        for row in [header, *rows]
+    ]
+
+
+def stiffness_lines(levers: Levers, wanted: float, own: float | None) -> Iterator[str]:
+    """Yield the joint stiffness by each rule, and the tip stiffness that it makes.
+
+    `wanted` is the tip stiffness asked for, `own` the joint stiffness of a definition.
+    """
+    unit = "N·m/rad" if levers.kind == "torsion" else "N/m"
+    rules = {"exact": levers.stiffness(wanted)}
+    if levers.kind == "bending":
+        rules["SoMo's formula"] = levers.somo_stiffness(wanted)
+    if own:
+        rules["in the file"] = own
+    rows = []
+    for name, stiffness in rules.items():
+        tip = levers.tip_stiffness(stiffness)
+        rows.append([name, f"{stiffness:.6g}", f"{tip:.6g}", f"{100 * (tip / wanted - 1):+.4g} %"])
+    yield from table(["rule", "spring_stiffness [N·m/rad]", f"tip [{unit}]", "off by"], rows)
+    if levers.count > 1 and levers.profile.min() < levers.profile.max():
+        yield "spring_stiffness is that of the first joint; the others keep their ratio to it"
+
+
+def following_lines(
+    found: Sequence[Following], wanted: float, own: Following | None
+) -> Iterator[str]:
+    """Yield how well chains of other numbers of joints follow a uniform beam.
+
+    Errors are in per cent; `own` is the chain as it lies, if there is one.
+    """
+    is_bending = found[0].levers.kind == "bending"
+    header = ["joints", "placement", "spring_stiffness", "along", "first mode", "highest/first"]
+    if is_bending:
+        header[4:4] = ["end moment", "own weight", "PL²/EI=1"]
+        header.append("SoMo's formula")
+    rows = []
+    for one in [*found, *([own] if own else [])]:
+        levers = one.levers
+        row = [f"{levers.count}", one.placement, f"{levers.stiffness(wanted):.6g}"]
+        errors = [one.along]
+        if is_bending:
+            errors += [one.moment, one.weight, one.large]
+        row += [_percent(value) for value in (*errors, one.frequency)]
+        row.append(f"{one.top:.4g}")
+        if is_bending:
+            somo = levers.tip_stiffness(levers.somo_stiffness(wanted)) / wanted - 1
+            row.append(f"{100 * somo:+.1f} %" if one.placement == "uniform" else "")
+        rows.append(row + (["<- this one"] if one is own else [""]))
+    yield from table([*header, ""], rows)
+
+
+def _percent(value: float) -> str:
+    if math.isnan(value):
+        return "-"
+    return f"{100 * value:.2g} %" if abs(value) > 1e-12 else "exact"
+
+
+def with_error(value: float, error: float, unit: str) -> str:
+    """Return a value with the half width of its interval, if that is known."""
+    return f"{value:.6g}" + (f" ± {error:.2g}" if math.isfinite(error) else "") + f" {unit}"

@@ -1,0 +1,68 @@
+"""The torque behind a blocked force, with joints that turn by more than a little.
+
+The finger presses on something that does not give and does not hold it along its length: a force
+F that keeps its direction, across the straight actuator. The rule of `levers` is exact for small
+angles; here they are whatever they are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import root
+
+from somo_cli.calibration.levers import Levers
+from somo_cli.manipulator import chain
+from somo_cli.manipulator.definition import Definition
+from somo_cli.simulation.dynamics import ChainDynamics, ChainPose
+from somo_cli.simulation.springs import Array
+
+
+@dataclass(frozen=True, slots=True)
+class Blocked:
+    """An actuator that presses: the torque in every joint of the axis [N·m], the angles [rad]."""
+
+    torque: float
+    angles: Array
+
+
+def blocked(
+    definition: Definition, actuator: int, axis: int, levers: Levers, force: float
+) -> Blocked | None:
+    """Return the equilibrium of an actuator that presses with a force [N] at `levers.at`.
+
+    The actuator is clamped by itself, weightless and straight at rest; what is pressed on is at
+    the place of the straight actuator. None where there is no such equilibrium near the straight
+    pose, and for torsion, where the rule of small angles is exact.
+    """
+    if levers.kind == "torsion":
+        return None
+    one = definition.actuators[actuator]
+    alone = chain.build(replace(definition, base=None, actuators=(one,), tips=()))
+    body = ChainDynamics(alone)
+    drives = np.array([joint.channel == axis for joint in alone.joints], dtype=float)
+    places = np.cumsum([joint.origin[2] for joint in alone.joints])
+    link = int(np.sum(places < levers.at))
+    across = np.cross(levers.direction, (0.0, 0.0, 1.0))
+    held = np.array((0.0, 0.0, levers.at))
+    start = body.at(np.zeros(body.count))
+    local = held - start.origins[link]
+
+    def unbalance(unknown: Array) -> Array:
+        # torque in units of its small-angle value, place in units of the length
+        angles, torque = unknown[:-1], unknown[-1] * scale
+        pose: ChainPose = body.at(angles)
+        point = pose.point(link, local)
+        pressed = pose.force_on(link, point, -force * across, np.zeros(3))[6:]
+        rest = torque * drives - body.stiffness * angles + pressed
+        apart = (point - held) @ across
+        return np.append(rest / abs(scale), apart / levers.at)
+
+    scale = levers.torque(force) or 1.0
+    arms = np.where(drives > 0, np.maximum(levers.at - places, 0), 0)
+    small = (scale * drives - force * arms) / body.stiffness
+    found = root(unbalance, np.append(small, 1.0), method="hybr", options={"xtol": 1e-12})
+    if not found.success or np.abs(found.fun).max() > 1e-9:
+        return None
+    return Blocked(float(found.x[-1] * scale), found.x[:-1])

@@ -1,0 +1,71 @@
+"""From a damping ratio to the damping of joints: the lowest mode of one axis.
+
+With d = c k in the joints of an axis, a mode φ of M q'' + K q = 0 with frequency ω, φ' M φ = 1, has
+the damping ratio φ' D φ / (2 ω) = c sum(k φ²) / (2 ω), the sum over the joints of the axis. If
+nothing else bends in it, c = 2 ζ / ω (Rayleigh damping without its mass part: Clough and Penzien,
+Dynamics of Structures (1993), sec. 12-5).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from somo_cli.analysis.modes import NotAnInertia, modes_at
+from somo_cli.simulation.dynamics import ChainDynamics
+from somo_cli.simulation.plan import Plan
+from somo_cli.simulation.springs import Array
+
+
+class NoMode(ValueError):
+    """The axis has no mode that could be damped."""
+
+
+@dataclass(frozen=True, slots=True)
+class Mode:
+    """The lowest mode of an axis at the start of a scene, gravity included.
+
+    `frequency` [rad/s] and `ratio` are those of the model as it is, `share` is how much of the
+    elastic energy is in the axis. `seconds` is damping over stiffness in its joints [s], the same
+    in all of them, and `per_ratio` what it would be for a damping ratio of 1 [s].
+    """
+
+    frequency: float
+    ratio: float
+    share: float
+    seconds: float
+    per_ratio: float
+
+
+def lowest_mode(plan: Plan, body: int, actuator: int, axis: int) -> Mode:
+    """Return the lowest mode most of whose elastic energy is in an axis of a body of a plan.
+
+    Raises NoMode.
+    """
+    one = plan.bodies[body]
+    dynamics = ChainDynamics(one.chain)
+    pose = dynamics.at(one.start.angles, one.start.pose)
+    try:
+        modes = modes_at(pose, one.base == "free", pose.gravity_stiffness(plan.gravity))
+    except NotAnInertia as error:
+        raise NoMode(str(error)) from error
+    drives = np.array([(j.actuator, j.channel) == (actuator, axis) for j in one.chain.joints])
+    if not (dynamics.stiffness[drives] > 0).all():
+        raise NoMode(f"joints of axis {axis} of actuator {actuator} have no spring_stiffness")
+    energies = dynamics.stiffness[:, np.newaxis] * modes.shapes**2  # (joint, mode)
+    shares: Array = energies[drives].sum(axis=0) / energies.sum(axis=0)
+    for number, share in enumerate(shares):
+        square = modes.squares[number]
+        if share > 0.5 and square > 0:
+            frequency = math.sqrt(square)
+            ratios = dynamics.damping[drives] / dynamics.stiffness[drives]
+            return Mode(
+                frequency=frequency,
+                ratio=float(modes.ratios[number]),
+                share=float(share),
+                seconds=float(ratios.mean()),
+                per_ratio=2 * frequency / float(energies[drives, number].sum()),
+            )
+    raise NoMode(f"no mode of axis {axis} of actuator {actuator} vibrates: gravity topples it")

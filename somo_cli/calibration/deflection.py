@@ -1,0 +1,127 @@
+"""How well a chain of few joints follows the uniform beam whose tip stiffness it has.
+
+All lengths are in units of the beam's, forces and frequencies such that EI and mass are 1. The
+beam is clamped, slender and inextensible; the chain's links are slender rods.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import eigh
+from scipy.optimize import root
+
+from somo_cli.analysis.closed_forms import tip_load
+from somo_cli.calibration.levers import Levers
+from somo_cli.manipulator.definition import Placement
+from somo_cli.simulation.springs import Array
+
+_FIRST = {"bending": 1.875104068711961**2, "torsion": math.pi / 2}
+"""First frequency of the beam, clamped and free: Blevins, Formulas for Natural Frequency (1979)."""
+
+_STATIONS = 401  # along the length
+
+
+@dataclass(frozen=True, slots=True)
+class Following:
+    """What is wrong with the chain of some levers, tip-matched; ratios, so 0.01 is one per cent.
+
+    `along` is the largest error of the deflection along the length under a force on the tip
+    (torsion: of the angle under a moment), over that of the tip. `moment` and `weight` are errors
+    of the tip's deflection under an end moment and under the beam's own weight, `large` is the
+    distance of the tip from the elastica's under a dead load P L² / EI = 1, over the length; all
+    three are nan for torsion. `frequency` is the error of the first natural frequency, `top` how
+    many times higher the highest one is than the first, of which long steps have to be short.
+    """
+
+    levers: Levers
+    placement: Placement
+    along: float
+    moment: float
+    weight: float
+    large: float
+    frequency: float
+    top: float
+
+
+def following(levers: Levers, placement: Placement) -> Following:
+    """Return how well the levers, their stiffness the exact one, follow the beam."""
+    arms = levers.arms[levers.arms > 0]
+    places = levers.places[: len(arms)] / levers.at
+    rigid = levers.rigidity(levers.tip_stiffness(1.0)) / levers.at  # EI / a for a stiffness of 1
+    stiffness = (levers.profile / levers.shares)[: len(arms)] / rigid
+    frequencies = _frequencies(levers, places, stiffness)
+    is_bending = levers.kind == "bending"
+    return Following(
+        levers=levers,
+        placement=placement,
+        along=_along(levers, places, stiffness),
+        moment=_tip(places, stiffness, 0) * 2 - 1 if is_bending else math.nan,
+        weight=_tip(places, stiffness, 2) * 4 - 1 if is_bending else math.nan,
+        large=_large(places, stiffness) if is_bending else math.nan,
+        frequency=frequencies[0] / _FIRST[levers.kind] - 1,
+        top=frequencies[-1] / frequencies[0],
+    )
+
+
+def compared(
+    made: Callable[[int, Placement], Levers], numbers: Iterable[int]
+) -> Iterator[Following]:
+    """Yield how well chains of so many joints follow the beam, evenly placed and by Gauss."""
+    for number in numbers:
+        for placement in ("uniform", "gauss"):
+            yield following(made(number, placement), placement)
+
+
+def _tip(places: Array, stiffness: Array, power: int) -> float:
+    """Return the tip's deflection under a moment (1 - s)^power along the beam."""
+    arms = 1 - places
+    return float(np.sum(arms**power / stiffness * arms))
+
+
+def _along(levers: Levers, places: Array, stiffness: Array) -> float:
+    s = np.linspace(0, 1, _STATIONS)
+    beyond = s[:, np.newaxis] - places
+    if levers.kind == "torsion":
+        turned = (beyond > 0) @ (1 / stiffness)
+        # between two joints the link has one angle: the worst is at its ends
+        return float(np.abs(turned - s).max())
+    chain = np.maximum(beyond, 0) @ ((1 - places) / stiffness)
+    beam = s * s * (3 - s) / 6  # Timoshenko, Strength of Materials I (1955), sec. 32
+    return float(3 * np.abs(chain - beam).max())
+
+
+def _large(places: Array, stiffness: Array) -> float:
+    """Return how far the tip is from the elastica's under P L² / EI = 1, over the length."""
+    links = np.diff(np.append(places, 1.0))
+
+    def shape(angles: Array) -> tuple[Array, Array]:
+        slopes = np.cumsum(angles)
+        return links * np.cos(slopes), links * np.sin(slopes)
+
+    def unbalance(angles: Array) -> Array:
+        along, _ = shape(angles)
+        arms = np.cumsum(along[::-1])[::-1]  # of a force across the clamp
+        rest: Array = stiffness * angles - arms
+        return rest
+
+    found = root(unbalance, (1 - places) / stiffness, method="hybr", options={"xtol": 1e-13})
+    along, across = shape(found.x)
+    return math.dist((places[0] + along.sum(), across.sum()), tip_load(1.0))
+
+
+def _frequencies(levers: Levers, places: Array, stiffness: Array) -> Array:
+    """Return the natural frequencies about the straight pose, of slender rods of mass 1."""
+    last = np.maximum.outer(places, places)
+    free = 1 - last  # what both joints move
+    mass = free
+    if levers.kind == "bending":
+        # the integral of (s - x_i)(s - x_j) from the later joint to the tip
+        apart = np.abs(np.subtract.outer(places, places))
+        mass = free**3 / 3 + apart * free**2 / 2
+    squares = eigh(np.diag(stiffness), mass, eigvals_only=True)
+    frequencies: Array = np.sqrt(squares)
+    return frequencies

@@ -1,0 +1,215 @@
+"""Parameters from a recorded motion: nonlinear least squares over simulations of a scene.
+
+Bates and Watts, Nonlinear Regression Analysis and Its Applications (1988), ch. 2: the covariance
+of the estimate is s² (J'J)⁻¹, J the derivatives of what is recorded, s² the variance of what is
+left over. It holds for noise that is independent from row to row.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.optimize import least_squares
+from scipy.special import stdtrit
+
+from somo_cli.analysis.trial import OpenWorld, recorded
+from somo_cli.calibration.parameters import Parameter, changed
+from somo_cli.calibration.recording import Recording
+from somo_cli.problems import SimulationDiverged
+from somo_cli.simulation.plan import make_plan
+from somo_cli.simulation.scene import Scene
+from somo_cli.simulation.springs import Array
+
+STEP = 1e-3  # of the unknowns, for derivatives: far above the noise of a run, far below 1
+_FARTHEST = 7.0  # of an unknown, a factor of a thousand
+_LOST = 1e3  # what a diverged run is off by, in units of the data
+_SILENT = 1e-5  # of the largest effect of a parameter: what does not show in the data at all
+
+Progress: TypeAlias = Callable[[int], None]
+
+
+class NothingToFit(ValueError):
+    """The data do not depend on any of the parameters."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """Parameters as the data want them.
+
+    `factors` multiply the guesses; `errors`, half widths of 95 % confidence intervals, have the
+    units of the parameters; both of shape (p,). `correlation` is that of the estimates, (p, p).
+    `silent` parameters are not among them: they do not show in the data and stay at their guess.
+    `residuals` are measured minus simulated, (rows, columns), in the units of the data, and
+    `first_residuals` those of the guess; `runs` is how often the scene was run.
+    """
+
+    parameters: tuple[Parameter, ...]
+    factors: Array
+    errors: Array
+    correlation: Array
+    silent: tuple[Parameter, ...]
+    residuals: Array
+    first_residuals: Array
+    runs: int
+
+    @property
+    def values(self) -> Array:
+        """The fitted parameters."""
+        guesses: Array = np.array([one.guess for one in self.parameters])
+        return guesses * self.factors
+
+    @property
+    def left_over(self) -> Array:
+        """Root mean square of the residuals of every column, shape (columns,)."""
+        squares: Array = np.sqrt(np.mean(self.residuals**2, axis=0))
+        return squares
+
+    @property
+    def first_left_over(self) -> Array:
+        """The same of the first guess."""
+        squares: Array = np.sqrt(np.mean(self.first_residuals**2, axis=0))
+        return squares
+
+    @property
+    def persistence(self) -> float:
+        """Correlation of what is left over with itself one row later, the largest of any column.
+
+        Near zero for noise; near one where the model does not follow what was measured.
+        """
+        left = self.residuals - self.residuals.mean(axis=0)
+        squares = np.sum(left**2, axis=0)
+        lagged = np.sum(left[1:] * left[:-1], axis=0)
+        return float(
+            np.max(np.divide(lagged, squares, out=np.zeros_like(lagged), where=squares > 0))
+        )
+
+
+class Model:
+    """What a scene records at the times of a recording, for any parameters."""
+
+    def __init__(
+        self, scene: Scene, recording: Recording, open_world: OpenWorld, progress: Progress
+    ) -> None:
+        self._steps, every = _stride(recording.times, scene.time_step)
+        self._scene = dataclasses.replace(scene, every=every, columns=recording.quantities)
+        self._recording = recording
+        self._open_world = open_world
+        self._progress = progress
+        self._latest: tuple[Sequence[Parameter], bytes, Array] | None = None
+        self.runs = 0
+
+    def at(self, known: Sequence[Parameter], unknowns: Array) -> Array:
+        """Return the recorded columns, shape (rows, columns), SI. Raises SimulationDiverged."""
+        key = unknowns.tobytes()
+        if self._latest is not None and self._latest[:2] == (known, key):
+            return self._latest[2]
+        plan = make_plan(changed(self._scene, known, unknowns))
+        rows = recorded(plan, self._steps, self._open_world)
+        self.runs += 1
+        self._progress(self.runs)
+        columns = rows[:, list(self._recording.places)]
+        values: Array = CubicSpline(rows[:, 0], columns, axis=0)(self._recording.times)
+        self._latest = (known, key, values)
+        return values
+
+    def slopes(self, known: Sequence[Parameter], unknowns: Array) -> Array:
+        """Return the derivatives by the unknowns, shape (rows, columns, p), by differences."""
+        here = self.at(known, unknowns)
+        changes = STEP * np.eye(len(known))
+        slopes: Array = np.stack(
+            [(self.at(known, unknowns + change) - here) / STEP for change in changes], axis=-1
+        )
+        self._latest = (known, unknowns.tobytes(), here)
+        return slopes
+
+
+def _stride(times: Array, step: float) -> tuple[int, int]:
+    """Return how many steps [s] reach the last time [s], and after how many to record.
+
+    Where all times are whole multiples of the step no row is recorded that is not needed.
+    """
+    numbers = np.rint(times / step).astype(int)
+    if np.abs(times / step - numbers).max() < 1e-6 and numbers[-1] > 0:
+        return int(numbers[-1]), int(np.gcd.reduce(numbers))
+    return max(1, int(np.ceil(times[-1] / step))), 1
+
+
+def fit(model: Model, recording: Recording, known: Sequence[Parameter]) -> Fit:
+    """Return the parameters with which the scene moves most like the recording.
+
+    Every quantity is weighed by its scatter: first by that of the data, then once more by what
+    the first fit leaves over. Raises NothingToFit, and SimulationDiverged for the first guess.
+    """
+    start = np.zeros(len(known))
+    first = recording.values - model.at(known, start)
+    weights = recording.weights(recording.values - recording.values.mean(axis=0))
+    effects = np.sqrt(np.mean((model.slopes(known, start) * weights[:, np.newaxis]) ** 2, (0, 1)))
+    heard = effects > _SILENT * effects.max()
+    if not heard.any():
+        raise NothingToFit("nothing that is recorded depends on the parameters")
+    chosen = [one for one, is_heard in zip(known, heard, strict=True) if is_heard]
+    unknowns = _solved(model, recording, chosen, weights, np.zeros(len(chosen)))
+    if len(recording.quantities) > 1:
+        left = recording.values - model.at(chosen, unknowns)
+        weights = recording.weights(left)
+        unknowns = _solved(model, recording, chosen, weights, unknowns)
+    left = recording.values - model.at(chosen, unknowns)
+    slopes = (model.slopes(chosen, unknowns) * weights[:, np.newaxis]).reshape(-1, len(chosen))
+    covariance = _covariance(slopes, (left * weights).ravel())
+    deviations = np.sqrt(np.diag(covariance))
+    pairs = list(zip(chosen, unknowns.tolist(), strict=True))
+    spread = np.array([one.guess * one.spread(unknown) for one, unknown in pairs])
+    freedom = max(1, left.size - len(chosen))
+    return Fit(
+        parameters=tuple(chosen),
+        factors=np.array([one.factor(unknown) for one, unknown in pairs]),
+        errors=float(stdtrit(freedom, 0.975)) * spread * deviations,
+        correlation=covariance / np.outer(deviations, deviations),
+        silent=tuple(one for one, is_heard in zip(known, heard, strict=True) if not is_heard),
+        residuals=left,
+        first_residuals=first,
+        runs=model.runs,
+    )
+
+
+def _solved(
+    model: Model,
+    recording: Recording,
+    known: Sequence[Parameter],
+    weights: Array,
+    start: Array,
+) -> Array:
+    def left(unknowns: Array) -> Array:
+        try:
+            simulated = model.at(known, unknowns)
+        except SimulationDiverged:
+            return np.full(recording.values.size, _LOST)
+        difference: Array = (simulated - recording.values) * weights
+        return difference.ravel()
+
+    def slopes(unknowns: Array) -> Array:
+        derivatives = model.slopes(known, unknowns) * weights[:, np.newaxis]
+        return derivatives.reshape(-1, len(known))
+
+    found = least_squares(
+        left, start, jac=slopes, bounds=(-_FARTHEST, _FARTHEST), xtol=1e-6, ftol=1e-9, gtol=1e-12
+    )
+    solution: Array = found.x
+    return solution
+
+
+def _covariance(slopes: Array, left: Array) -> Array:
+    """Return s² (J'J)⁻¹, very large where the data say nothing."""
+    freedom = max(1, len(left) - slopes.shape[1])
+    variance = max(float(left @ left), 1e-30) / freedom
+    scale = np.maximum(np.linalg.norm(slopes, axis=0), 1e-300)
+    _, values, rows = np.linalg.svd(slopes / scale, full_matrices=False)
+    values = np.maximum(values, 1e-9 * values[0])
+    inverse: Array = (rows.T / values**2) @ rows
+    covariance: Array = variance * inverse / np.outer(scale, scale)
+    return covariance

@@ -1,0 +1,72 @@
+"""Torque over pressure from several measured blocked forces: a straight line and its residuals."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import linregress
+from scipy.stats import t as student
+
+from somo_cli.simulation.springs import Array
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """torque = per_pressure * pressure + offset, by least squares.
+
+    The errors are half widths of 95 % confidence intervals, infinite with two points;
+    `residuals`, one per point, are measured minus fitted torques [N·m].
+    """
+
+    per_pressure: float  # N·m/Pa
+    per_pressure_error: float
+    offset: float  # N·m
+    offset_error: float
+    residuals: Array
+
+    @property
+    def has_offset(self) -> bool:
+        """Whether the offset is more than the scatter of the points explains."""
+        return abs(self.offset) > self.offset_error
+
+    @property
+    def residual(self) -> float:
+        """Root mean square of the residuals [N·m]."""
+        return float(np.sqrt(np.mean(self.residuals**2)))
+
+
+def line(pressures: Sequence[float], torques: Sequence[float], through_zero: bool) -> Line:
+    """Return the line through n points of pressure [Pa] and torque [N·m].
+
+    With `through_zero` no pressure makes no torque, and one point suffices; else two at different
+    pressures. Draper and Smith, Applied Regression Analysis (1998), sec. 1.4 and 2.1.
+    """
+    return _line(np.asarray(pressures), np.asarray(torques), through_zero)
+
+
+def _line(pressures: Array, torques: Array, through_zero: bool) -> Line:
+    if through_zero:
+        square = float(pressures @ pressures)
+        slope = float(pressures @ torques) / square
+        residuals: Array = torques - slope * pressures
+        freedom = len(pressures) - 1
+        spread = math.sqrt(float(residuals @ residuals) / freedom) if freedom else math.nan
+        return Line(slope, _wide(freedom) * spread / math.sqrt(square), 0.0, 0.0, residuals)
+    found = linregress(pressures, torques)
+    residuals = torques - found.slope * pressures - found.intercept
+    wide = _wide(len(pressures) - 2)
+    return Line(
+        float(found.slope),
+        wide * float(found.stderr),
+        float(found.intercept),
+        wide * float(found.intercept_stderr),
+        residuals,
+    )
+
+
+def _wide(freedom: int) -> float:
+    """Half width of a 95 % interval over the standard error; infinite without freedom."""
+    return float(student.ppf(0.975, freedom)) if freedom > 0 else math.inf

@@ -1,0 +1,246 @@
+"""somo calibrate: what its commands share: whose joints, and where a result goes."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from somo_cli import files, terminal
+from somo_cli.cli.door import EXIT_CODES, app, require
+
+if TYPE_CHECKING:
+    from somo_cli.calibration.levers import Levers
+    from somo_cli.document.parse import Document
+    from somo_cli.document.table import Table
+    from somo_cli.manipulator.definition import Definition, Placement
+    from somo_cli.problems import Pointer
+
+LARGEST_TABLE = 50_000_000
+"""The most that a recording may hold [bytes]."""
+
+calibrate = typer.Typer(
+    help="From what a lab measures to joint stiffness, torque and damping.",
+    epilog=EXIT_CODES,
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+app.add_typer(calibrate, name="calibrate")
+
+DefinitionArgument = Annotated[
+    str | None,
+    typer.Argument(
+        help="A definition, whose joints are calibrated as they lie. [default: that of --patch, "
+        "else joints by --length, --joints, ...]",
+        show_default=False,
+    ),
+]
+ActuatorOption = Annotated[
+    int, typer.Option("--actuator", min=0, help="Number of the actuator, 0 at the base.")
+]
+AxisOption = Annotated[
+    int,
+    typer.Option(
+        "--axis", min=0, help="Number of the axis: place in joint_definitions; 0 if planar."
+    ),
+]
+AtOption = Annotated[
+    float | None,
+    typer.Option(
+        "--at",
+        metavar="M",
+        help="Where the force is measured, from the base of the actuator [m]. [default: its end]",
+    ),
+]
+LengthOption = Annotated[
+    float | None, typer.Option("--length", metavar="M", help="Length of the actuator [m].")
+]
+JointsOption = Annotated[
+    int | None, typer.Option("--joints", metavar="N", help="Number of joints of the axis.")
+]
+AxesOption = Annotated[
+    int, typer.Option("--axes", min=1, max=3, help="Number of axes that take turns.")
+]
+AboutOption = Annotated[
+    str, typer.Option("--about", metavar="x|y|z", help="Direction of the axis; z twists.")
+]
+PlacementOption = Annotated[
+    str,
+    typer.Option("--placement", metavar="uniform|gauss", help="Where the joints stand."),
+]
+WriteOption = Annotated[
+    str | None,
+    typer.Option(
+        "--write",
+        metavar="FILE",
+        help="Write YAML with the result: a copy of the definition, else a piece of one.",
+    ),
+]
+PatchOption = Annotated[
+    str | None,
+    typer.Option(
+        "--patch",
+        metavar="DEFINITION",
+        help="Put the result into this definition; comments and order stay.",
+    ),
+]
+JsonOption = Annotated[
+    bool, typer.Option("--json", help="Print the result as JSON on standard output.")
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Given:
+    """The joints to calibrate: of a definition, or made from a few numbers.
+
+    `made` gives the axis with other numbers of joints, differently placed.
+    """
+
+    levers: "Levers"
+    made: "Callable[[int, Placement], Levers]"
+    placement: "Placement"
+    document: "Document | None" = None
+    definition: "Definition | None" = None
+
+
+def of_path(definition: str | None, patch: str | None) -> str | None:
+    """Return the definition to read: the argument, else the one to patch."""
+    is_one = definition is None or patch is None or Path(definition) == Path(patch)
+    require(is_one, "--patch", f"it names another definition than {definition}: leave that out")
+    return definition or patch
+
+
+def given(
+    path: str | None,
+    actuator: int,
+    axis: int,
+    at: float | None,
+    made_of: tuple[float | None, int | None, int, str, str],
+) -> Given:
+    """Return the joints that the options speak of.
+
+    `made_of` holds length, joints, axes, about and placement, for joints without a definition.
+    """
+    from somo_cli.calibration.levers import NoLevers
+
+    try:
+        if path is None:
+            return _from_numbers(axis, at, *made_of)
+        return _from_definition(path, actuator, axis, at)
+    except NoLevers as error:
+        raise typer.BadParameter(str(error), param_hint="'--axis'") from error
+
+
+def _from_definition(path: str, actuator: int, axis: int, at: float | None) -> Given:
+    from somo_cli import loading
+    from somo_cli.calibration import levers
+    from somo_cli.manipulator.compile import compile_definition
+
+    document = loading.load(path)
+    loading.refuse_scene(document)
+    compiled = compile_definition(document)
+    terminal.say_problems(compiled.warnings, document.texts)
+    known = levers.of_definition(compiled.definition, actuator, axis, at)
+    one = compiled.definition.actuators[actuator]
+    axes = max(one.channels) + 1
+
+    def made(count: int, placement: "Placement") -> "Levers":
+        return levers.evenly_made(
+            known.length, count, axes, axis, known.direction, placement, known.at
+        )
+
+    return Given(known, made, one.placement, document, compiled.definition)
+
+
+def _from_numbers(
+    axis: int,
+    at: float | None,
+    length: float | None,
+    joints: int | None,
+    axes: int,
+    about: str,
+    placement: str,
+) -> Given:
+    from somo_cli.calibration import levers
+
+    directions = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+    require(about in directions, "--about", f"{about!r} is not x, y or z")
+    require(placement in ("uniform", "gauss"), "--placement", f"{placement!r} is unknown")
+    if length is None or joints is None:
+        raise typer.BadParameter(
+            "give a definition, or --length and --joints", param_hint="'DEFINITION'"
+        )
+    require(0 < length < 1e6, "--length", f"{length} is not greater than 0 and less than 1e6")
+    require(0 < joints <= 1000, "--joints", f"{joints} is not from 1 to 1000")
+    require(axis < axes, "--axis", f"axis {axis} is not one of {axes}: give --axes")
+    where: Placement = "gauss" if placement == "gauss" else "uniform"
+
+    def made(count: int, other: "Placement") -> "Levers":
+        return levers.evenly_made(length, count, axes, axis, directions[about], other, at)
+
+    return Given(made(joints, where), made, where)
+
+
+def table_of(path: str) -> "Table":
+    """Return a CSV of numbers. Raises OSError and InvalidFile."""
+    from somo_cli.document.table import read_table
+
+    return read_table(files.read_text(path, LARGEST_TABLE), path)
+
+
+def keep(
+    document: "Document | None",
+    values: "Mapping[Pointer, float]",
+    piece: str,
+    write: str | None,
+    patch: str | None,
+    beside: Mapping[str, str] | None = None,
+) -> None:
+    """Write values into a copy of the file that holds them, or into the file itself.
+
+    Without a document `piece` is written. `beside` says after which key a new one goes.
+    """
+    if write is not None:
+        written = piece
+        if document is not None:
+            (source, *others) = dict.fromkeys(document.span(place[:-1]).source for place in values)
+            require(not others, "--write", f"the values are in {source} and other files: --patch")
+            written = _patched(document, source, values, beside)
+        files.write_whole(write, written)
+        terminal.say(f"{write}: written")
+    if patch is not None and document is not None:
+        files.write_whole(patch, _patched(document, patch, values, beside))
+        terminal.say(f"{patch}: patched")
+
+
+def _patched(
+    document: "Document",
+    source: str,
+    values: "Mapping[Pointer, float]",
+    beside: Mapping[str, str] | None,
+) -> str:
+    from somo_cli.document.patch import patched
+
+    return patched(document, source, values, after=beside or {})
+
+
+def numbers_of(option: str, text: str) -> Sequence[int]:
+    """Return the whole numbers of a list such as 3,5,10."""
+    try:
+        found = [int(part) for part in text.split(",")]
+    except ValueError:
+        found = []
+    is_right = bool(found) and all(1 <= number <= 200 for number in found)
+    require(is_right, option, f"{text!r} is not a list of numbers from 1 to 200, such as 3,5,10")
+    return list(dict.fromkeys(found))
+
+
+Rule = Literal["exact", "somo"]
+
+
+def rule_of(text: str) -> Rule:
+    """Return the rule of an option."""
+    require(text in ("exact", "somo"), "--rule", f"{text!r} is not exact or somo")
+    return "somo" if text == "somo" else "exact"

@@ -1,0 +1,216 @@
+"""somo calibrate fit: stiffness, damping and actuation gain from a recorded motion."""
+
+import json
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from somo_cli import terminal
+from somo_cli.cli.calibrate import (
+    JsonOption,
+    PatchOption,
+    WriteOption,
+    calibrate,
+    keep,
+    table_of,
+)
+from somo_cli.cli.door import EXIT_CODES, ending, require
+from somo_cli.problems import InvalidFile, Problem
+
+if TYPE_CHECKING:
+    from somo_cli.calibration.fit import Fit
+    from somo_cli.calibration.parameters import Parameter, What
+    from somo_cli.calibration.recording import Recording
+    from somo_cli.document.parse import Document
+    from somo_cli.problems import Pointer
+    from somo_cli.simulation.scene import Scene
+
+LEAST_ROWS = 8
+_RUNS = 60  # what a bar of progress expects, per parameter
+
+
+@calibrate.command(epilog=EXIT_CODES)
+@ending
+def fit(
+    scene: Annotated[
+        str,
+        typer.Argument(
+            help="A scene of one manipulator, with the known actuation and loads; its values are "
+            "the first guess."
+        ),
+    ],
+    data: Annotated[
+        str,
+        typer.Option(
+            "--data",
+            metavar="CSV",
+            help="What was measured: time_s from the start of the scene, and columns as somo run "
+            "calls them, such as tip.x_m [m] or actuator_0_joint_01.angle_rad [rad].",
+        ),
+    ],
+    parameters: Annotated[
+        str,
+        typer.Option(
+            "--parameters",
+            metavar="NAME,...",
+            help="What to fit on every axis; damping only where there is some, gain, a factor on "
+            "the actuation, only where something drives.",
+        ),
+    ] = "stiffness,damping,gain",
+    columns: Annotated[
+        str | None,
+        typer.Option(
+            "--columns", metavar="NAME,...", help="Columns to fit. [default: all but time_s]"
+        ),
+    ] = None,
+    write: WriteOption = None,
+    patch: PatchOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Fit stiffness, damping and actuation gain of a scene to a measured motion, by simulating.
+
+    Least squares over runs of the scene, with confidence intervals of 95 % for independent noise,
+    and a warning where the data cannot tell parameters apart.
+    """
+    from somo_cli import loading
+    from somo_cli.calibration.recording import TIME, recording
+    from somo_cli.document.table import require as require_columns
+
+    whats = _whats(parameters)
+    document = loading.load(scene)
+    planned, warnings = loading.scene_of(document)
+    terminal.say_problems(warnings, document.texts)
+    document = loading.as_scene(document)
+    if len(planned.manipulators) > 1:
+        place = document.span(("manipulators", 1))
+        message = "there are several manipulators, and a fit is about one"
+        raise InvalidFile([Problem(place, message, "give a scene of one")], document.texts)
+    table = table_of(data)
+    require_columns(table, (TIME,), TIME, LEAST_ROWS, "a fit")
+    measured = recording(table, planned, columns.split(",") if columns else ())
+    known = _parameters(planned, whats)
+    found = _fitted(planned, measured, known)
+    if as_json:
+        typer.echo(json.dumps(_plain(found, measured), indent=2))
+    else:
+        for line in _table(found, measured):
+            typer.echo(line)
+    from somo_cli.calibration.doubts import doubts
+
+    for sentence in doubts(found, measured.scatter):
+        terminal.say(f"somo: warning: {sentence}")
+    if write is not None or patch is not None:
+        values = dict(_values(document, planned, found))
+        require(bool(values), "--patch", "only gains were fitted, and torques are in the scene")
+        after = {"spring_damping": "spring_stiffness", "torque_per_pressure": "spring_stiffness"}
+        keep(document, values, "", write, patch, after)
+
+
+def _whats(text: str) -> "Sequence[What]":
+    from somo_cli.calibration.parameters import WHATS
+
+    names = [name.strip() for name in text.split(",")]
+    unknown = [name for name in names if name not in WHATS]
+    require(not unknown, "--parameters", f"{', '.join(unknown)!r} is not one of {', '.join(WHATS)}")
+    return [what for what in WHATS if what in names]
+
+
+def _parameters(scene: "Scene", whats: "Sequence[What]") -> "Sequence[Parameter]":
+    from somo_cli.calibration.parameters import parameters
+
+    known = list(parameters(scene.manipulators[0], whats))
+    message = "the scene has none of these to start from, such as a spring_stiffness above 0"
+    require(bool(known), "--parameters", message)
+    return known
+
+
+def _fitted(scene: "Scene", measured: "Recording", known: "Sequence[Parameter]") -> "Fit":
+    from somo_cli.calibration.fit import Model, NothingToFit
+    from somo_cli.calibration.fit import fit as fitted
+    from somo_cli.simulation.bullet import BulletWorld
+
+    with terminal.progress(_RUNS * len(known), "fitting: runs") as advance:
+        model = Model(scene, measured, BulletWorld, advance)
+        try:
+            return fitted(model, measured, known)
+        except NothingToFit as error:
+            raise typer.BadParameter(str(error), param_hint="'--data'") from error
+
+
+def _values(
+    document: "Document", scene: "Scene", found: "Fit"
+) -> "Sequence[tuple[Pointer, float]]":
+    """Return what to write into the definition: all but the gains of torques."""
+    from somo_cli.calibration import joints
+
+    at: Pointer = ("manipulators", 0, "definition")
+    keys = {
+        "stiffness": "spring_stiffness",
+        "damping": "spring_damping",
+        "gain": "torque_per_pressure",
+    }
+    values: list[tuple[Pointer, float]] = []
+    for parameter, factor in zip(found.parameters, found.factors.tolist(), strict=True):
+        key = keys[parameter.what]
+        for place in joints.pointers(document, at, parameter.actuator, parameter.axis):
+            definition = document.at(place)
+            assert isinstance(definition, dict)
+            if definition.get(key) is not None:
+                values.append(((*place, key), joints.rounded(float(definition[key]) * factor)))
+    return values
+
+
+def _table(found: "Fit", measured: "Recording") -> list[str]:
+    from somo_cli.calibration.account import table
+    from somo_cli.calibration.parameters import UNITS
+
+    rows = []
+    for number, one in enumerate(found.parameters):
+        value, error = found.values[number], found.errors[number]
+        rows.append(
+            [
+                one.name,
+                f"{one.guess:.6g}",
+                f"{value:.6g}",
+                f"{error:.2g}",
+                f"{100 * error / abs(value):.2g} %",
+                UNITS[one.what],
+            ]
+        )
+    lines = table(["parameter", "guess", "fitted", "± (95 %)", "", "unit"], rows)
+    before, after = found.first_left_over, found.left_over
+    lines += [
+        "",
+        *table(
+            ["left over, root mean square", "before", "after"],
+            [
+                [name, f"{one:.3g}", f"{other:.3g}"]
+                for name, one, other in zip(measured.names, before, after, strict=True)
+            ],
+        ),
+    ]
+    lines.append(f"{len(measured.times)} rows, {found.runs} runs of the scene")
+    return lines
+
+
+def _plain(found: "Fit", measured: "Recording") -> dict[str, object]:
+    return {
+        "parameters": [
+            {
+                "what": one.what,
+                "actuator": one.actuator,
+                "axis": one.axis,
+                "guess": one.guess,
+                "value": float(found.values[number]),
+                "error": float(found.errors[number]),
+            }
+            for number, one in enumerate(found.parameters)
+        ],
+        "correlation": found.correlation.tolist(),
+        "silent": [one.name for one in found.silent],
+        "columns": list(measured.names),
+        "residual_rms": found.left_over.tolist(),
+        "persistence": found.persistence,
+        "runs": found.runs,
+    }

@@ -1,0 +1,234 @@
+"""somo calibrate stiffness: from the stiffness of a tip or a beam to that of joints."""
+
+import dataclasses
+import json
+import math
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from somo_cli.cli.calibrate import (
+    AboutOption,
+    ActuatorOption,
+    AtOption,
+    AxesOption,
+    AxisOption,
+    DefinitionArgument,
+    Given,
+    JointsOption,
+    JsonOption,
+    LengthOption,
+    PatchOption,
+    PlacementOption,
+    WriteOption,
+    calibrate,
+    given,
+    keep,
+    numbers_of,
+    of_path,
+    rule_of,
+)
+from somo_cli.cli.door import EXIT_CODES, ending, require
+
+if TYPE_CHECKING:
+    from somo_cli.calibration.deflection import Following
+    from somo_cli.calibration.levers import Levers
+
+
+@calibrate.command(epilog=EXIT_CODES)
+@ending
+def stiffness(
+    definition: DefinitionArgument = None,
+    tip_stiffness: Annotated[
+        float | None,
+        typer.Option(
+            "--tip-stiffness",
+            metavar="K",
+            help="Force on the tip over its deflection [N/m]; moment over angle [N·m/rad] where "
+            "the axis twists.",
+        ),
+    ] = None,
+    rigidity: Annotated[
+        float | None,
+        typer.Option("--rigidity", metavar="EI", help="Of a uniform beam [N·m²]; GJ for torsion."),
+    ] = None,
+    modulus: Annotated[
+        float | None,
+        typer.Option("--modulus", metavar="E", help="Young's modulus [Pa], with --section."),
+    ] = None,
+    section: Annotated[
+        str | None,
+        typer.Option(
+            "--section",
+            metavar="SHAPE",
+            help="Cross-section [m]: box:X,Y, disc:R or stadium:X,Y (X along x, Y along y).",
+        ),
+    ] = None,
+    bore: Annotated[
+        str | None,
+        typer.Option("--bore", metavar="SHAPE", help="A hollow in the middle of the section."),
+    ] = None,
+    poisson: Annotated[
+        float,
+        typer.Option("--poisson", help="Poisson's ratio, for torsion: G = E / (2 (1 + ratio))."),
+    ] = 0.5,
+    actuator: ActuatorOption = 0,
+    axis: AxisOption = 0,
+    at: AtOption = None,
+    length: LengthOption = None,
+    joints: JointsOption = None,
+    axes: AxesOption = 1,
+    about: AboutOption = "x",
+    placement: PlacementOption = "uniform",
+    rule: Annotated[
+        str,
+        typer.Option(
+            "--rule",
+            metavar="exact|somo",
+            help="Which stiffness to write; somo is the formula of SoMo's notes, for comparison.",
+        ),
+    ] = "exact",
+    numbers: Annotated[
+        str,
+        typer.Option("--numbers", metavar="N,N,...", help="Numbers of joints to compare."),
+    ] = "2,3,5,10,20,40",
+    write: WriteOption = None,
+    patch: PatchOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Find the joint stiffness whose chain has exactly a given tip stiffness.
+
+    Joints count where they lie: alternating axes, half-length ends, Gauss points. The second table
+    says how far chains of more or fewer joints, all with this tip stiffness, are from a uniform
+    beam: along their length under a force on the tip, at the tip under an end moment, under the
+    own weight and under a large force, and in their first frequency; and how much higher the
+    highest frequency is, which asks for shorter steps.
+    """
+    from somo_cli.calibration import account
+    from somo_cli.calibration.deflection import compared, following
+
+    which = rule_of(rule)
+    known = given(
+        of_path(definition, patch), actuator, axis, at, (length, joints, axes, about, placement)
+    )
+    levers = known.levers
+    wanted = _wanted(levers, tip_stiffness, rigidity, modulus, section, bore, poisson)
+    is_known = which == "exact" or levers.kind == "bending"
+    require(is_known, "--rule", "SoMo has no formula for torsion")
+    found = levers.stiffness(wanted) if which == "exact" else levers.somo_stiffness(wanted)
+    others = list(compared(known.made, numbers_of("--numbers", numbers)))
+    own = following(levers, known.placement)
+    if as_json:
+        typer.echo(json.dumps(_plain(levers, wanted, found, [*others, own]), indent=2))
+    else:
+        typer.echo(account.described(levers))
+        for line in account.stiffness_lines(levers, wanted, _own(known, actuator, axis)):
+            typer.echo(line)
+        typer.echo("")
+        typer.echo("chains of this tip stiffness against a uniform beam:")
+        for line in account.following_lines(others, wanted, own):
+            typer.echo(line)
+    _keep(known, actuator, axis, found, write, patch)
+
+
+def _wanted(
+    levers: "Levers",
+    tip_stiffness: float | None,
+    rigidity: float | None,
+    modulus: float | None,
+    section: str | None,
+    bore: str | None,
+    poisson: float,
+) -> float:
+    """Return the tip stiffness that the options ask for."""
+    ways = {"--tip-stiffness": tip_stiffness, "--rigidity": rigidity, "--modulus": modulus}
+    chosen = [name for name, value in ways.items() if value is not None]
+    names = "--tip-stiffness, --rigidity or --modulus with --section"
+    require(len(chosen) == 1, chosen[-1] if chosen else "--tip-stiffness", f"give one of {names}")
+    for name, value in ways.items():
+        is_right = value is None or 0 < value < math.inf
+        require(is_right, name, f"{value} is not greater than 0, and finite")
+    require((section is None) == (modulus is None), "--section", "it goes with --modulus")
+    require(bore is None or section is not None, "--bore", "it goes with --section")
+    require(-1 < poisson <= 0.5, "--poisson", f"{poisson} is not greater than -1, at most 0.5")
+    if tip_stiffness is not None:
+        return tip_stiffness
+    if modulus is not None and section is not None:
+        rigidity = modulus * _moment(levers, section, bore, poisson)
+    assert rigidity is not None
+    return levers.tip_stiffness_of_beam(rigidity)
+
+
+def _moment(levers: "Levers", section: str, bore: str | None, poisson: float) -> float:
+    """Return what a modulus is multiplied by [m⁴]: I, or J over 2 (1 + Poisson's ratio)."""
+    from somo_cli.calibration.section import parse_section
+
+    try:
+        shape = parse_section(section)
+        if bore is not None:
+            shape = shape.without(parse_section(bore))
+        if levers.kind == "torsion":
+            return shape.torsion_constant() / (2 * (1 + poisson))
+        return shape.second_moment(levers.direction[:2])
+    except ValueError as error:
+        raise typer.BadParameter(str(error), param_hint="'--section'") from error
+
+
+def _own(known: Given, actuator: int, axis: int) -> float | None:
+    if known.definition is None:
+        return None
+    one = known.definition.actuators[actuator]
+    pairs = zip(one.channels, one.joints, strict=True)
+    return next(
+        joint.stiffness
+        for channel, joint in pairs
+        if channel == axis and joint.joint_type != "fixed"
+    )
+
+
+def _keep(
+    known: Given, actuator: int, axis: int, found: float, write: str | None, patch: str | None
+) -> None:
+    from somo_cli.calibration import joints
+
+    if known.document is None:
+        direction = ", ".join(f"{value:g}" for value in known.levers.direction)
+        piece = (
+            "# one of the joint_definitions of an actuator\n"
+            "joint_type: continuous\n"
+            f"axis: [{direction}]\n"
+            f"spring_stiffness: {joints.rounded(found)!r} # N·m/rad\n"
+        )
+        keep(None, {}, piece, write, patch)
+        return
+    places = joints.pointers(known.document, (), actuator, axis)
+    profile = known.levers.profile.tolist()
+    values = joints.values(places, "spring_stiffness", found, profile)
+    keep(known.document, values, "", write, patch, {"spring_stiffness": "limits"})
+
+
+def _plain(
+    levers: "Levers", wanted: float, found: float, followed: "list[Following]"
+) -> dict[str, object]:
+    return {
+        "kind": levers.kind,
+        "places_m": levers.places.tolist(),
+        "at_m": levers.at,
+        "tip_stiffness": wanted,
+        "rigidity": levers.rigidity(wanted),
+        "spring_stiffness": found,
+        "tip_stiffness_made": levers.tip_stiffness(found),
+        "profile": levers.profile.tolist(),
+        "chains": [
+            {
+                "joints": one.levers.count,
+                "spring_stiffness": one.levers.stiffness(wanted),
+                **{
+                    key: None if isinstance(value, float) and math.isnan(value) else value
+                    for key, value in dataclasses.asdict(one).items()
+                    if key != "levers"
+                },
+            }
+            for one in followed
+        ],
+    }

@@ -1,0 +1,194 @@
+"""somo calibrate torque: from blocked forces to the torque in the joints, and per pressure."""
+
+import json
+import math
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from somo_cli import terminal
+from somo_cli.cli.calibrate import (
+    AboutOption,
+    ActuatorOption,
+    AtOption,
+    AxesOption,
+    AxisOption,
+    DefinitionArgument,
+    Given,
+    JointsOption,
+    JsonOption,
+    LengthOption,
+    PatchOption,
+    PlacementOption,
+    WriteOption,
+    calibrate,
+    given,
+    keep,
+    of_path,
+    rule_of,
+    table_of,
+)
+from somo_cli.cli.door import EXIT_CODES, ending, require
+
+if TYPE_CHECKING:
+    from somo_cli.calibration.pressing import Press
+
+PRESSURE, FORCE = "pressure_pa", "force_n"
+
+
+@calibrate.command(epilog=EXIT_CODES)
+@ending
+def torque(
+    definition: DefinitionArgument = None,
+    force: Annotated[
+        float | None,
+        typer.Option("--force", metavar="N", help="Blocked force [N]; a moment for torsion [N·m]."),
+    ] = None,
+    pressure: Annotated[
+        float | None, typer.Option("--pressure", metavar="PA", help="Pressure at that force [Pa].")
+    ] = None,
+    data: Annotated[
+        str | None,
+        typer.Option(
+            "--data",
+            metavar="CSV",
+            help=f"Several measured points instead: columns {PRESSURE} and {FORCE}.",
+        ),
+    ] = None,
+    through_zero: Annotated[
+        bool, typer.Option("--through-zero", help="No pressure makes no torque: fit no offset.")
+    ] = False,
+    small_angles: Annotated[
+        bool,
+        typer.Option(
+            "--small-angles",
+            help="Use the rule of small angles with a definition, too, not the equilibrium.",
+        ),
+    ] = False,
+    rule: Annotated[
+        str,
+        typer.Option(
+            "--rule",
+            metavar="exact|somo",
+            help="Which torque to write; somo is force times length, for comparison.",
+        ),
+    ] = "exact",
+    actuator: ActuatorOption = 0,
+    axis: AxisOption = 0,
+    at: AtOption = None,
+    length: LengthOption = None,
+    joints: JointsOption = None,
+    axes: AxesOption = 1,
+    about: AboutOption = "x",
+    placement: PlacementOption = "uniform",
+    write: WriteOption = None,
+    patch: PatchOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Find the torque in every joint of an axis that makes a measured blocked force.
+
+    The actuator is clamped at its base and its tip presses on something that does not give. With
+    small angles the torque follows from the places of the joints alone; with a definition, whose
+    springs are known, the equilibrium is solved for angles of any size. Forces at several
+    pressures give a straight line and the torque per pressure, which --patch puts into the joint
+    definition for scenes that are driven by pressure.
+    """
+    from somo_cli.calibration.pressing import fitted, lines, plain
+
+    which = rule_of(rule)
+    known = given(
+        of_path(definition, patch), actuator, axis, at, (length, joints, axes, about, placement)
+    )
+    points = _points(force, pressure, data)
+    pressed = _pressed(known, actuator, axis, small_angles, _points(force, pressure, data))
+    through = fitted(pressed, which, through_zero or data is None)
+    per_pressure = None if through is None else through.per_pressure
+    is_patchable = patch is None or per_pressure is not None
+    require(is_patchable, "--patch", "give the --pressure, too: a definition has torque per pascal")
+    if as_json:
+        typer.echo(json.dumps(plain(pressed, which, through), indent=2))
+    else:
+        for line in lines(known.levers, pressed, which, through):
+            typer.echo(line)
+    if through is not None and through.has_offset:
+        terminal.say(
+            f"somo: warning: without pressure the line has {through.offset:.3g} N·m, more than the "
+            "scatter explains; torque_per_pressure leaves it out"
+        )
+        terminal.say(
+            "  hint: look for a dead band or an offset of the gauge, or use --through-zero"
+        )
+    _keep(known, actuator, axis, pressed[-1].torque(which), per_pressure, write, patch)
+
+
+def _points(
+    force: float | None, pressure: float | None, data: str | None
+) -> list[tuple[float | None, float]]:
+    require((force is None) != (data is None), "--force", "give --force or --data")
+    require(pressure is None or force is not None, "--pressure", "it goes with --force")
+    if data is None:
+        assert force is not None
+        is_force = math.isfinite(force) and force != 0
+        require(is_force, "--force", f"{force} is not a force that turns anything")
+        is_pressure = pressure is None or (math.isfinite(pressure) and pressure != 0)
+        require(is_pressure, "--pressure", f"{pressure} is not a pressure that does anything")
+        return [(pressure, force)]
+    from somo_cli.document.table import require as require_columns
+
+    table = table_of(data)
+    require_columns(table, (PRESSURE, FORCE), None, 3, "a line with an error")
+    pressures = table.columns[PRESSURE]
+    require(len(set(pressures)) > 1, "--data", "all points are at the same pressure")
+    return list(zip(pressures, table.columns[FORCE], strict=True))
+
+
+def _pressed(
+    known: Given,
+    actuator: int,
+    axis: int,
+    small_angles: bool,
+    points: list[tuple[float | None, float]],
+) -> "list[Press]":
+    from somo_cli.calibration.pressing import Springs, press
+
+    springs = None
+    if known.definition is not None and not small_angles:
+        springs = Springs(known.definition, actuator, axis)
+    found = [press(known.levers, springs, pressure, force) for pressure, force in points]
+    for one in found:
+        if springs is not None and one.equilibrium is None and known.levers.kind == "bending":
+            terminal.say(
+                f"somo: warning: at {one.force:g} N there is no equilibrium near the straight pose; "
+                "the rule of small angles is used"
+            )
+    return found
+
+
+def _keep(
+    known: Given,
+    actuator: int,
+    axis: int,
+    found: float,
+    per_pressure: float | None,
+    write: str | None,
+    patch: str | None,
+) -> None:
+    from somo_cli.calibration import joints
+
+    if per_pressure is None:
+        piece = (
+            "# one entry of the actuation of a manipulator in a scene\n"
+            f"actuator: {actuator}\naxis: {axis}\ntorque: {joints.rounded(found)!r} # N·m\n"
+        )
+        keep(None, {}, piece, write, None)
+    elif known.document is None:
+        piece = (
+            "# for the joint_definitions of the axis\n"
+            f"torque_per_pressure: {joints.rounded(per_pressure)!r} # N·m/Pa\n"
+        )
+        keep(None, {}, piece, write, None)
+    else:
+        places = joints.pointers(known.document, (), actuator, axis)
+        values = joints.values(places, "torque_per_pressure", per_pressure)
+        beside = {"torque_per_pressure": "spring_stiffness"}
+        keep(known.document, values, "", write, patch, beside)
