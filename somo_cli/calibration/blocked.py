@@ -18,6 +18,8 @@ from somo_cli.manipulator.definition import Definition
 from somo_cli.simulation.dynamics import ChainDynamics, ChainPose
 from somo_cli.simulation.springs import Array
 
+FARTHEST = 1.5  # rad, of a joint: beyond it the actuator is not near the straight pose
+
 
 @dataclass(frozen=True, slots=True)
 class Blocked:
@@ -39,6 +41,8 @@ def blocked(
     if levers.kind == "torsion":
         return None
     one = definition.actuators[actuator]
+    if force == 0:
+        return Blocked(0.0, np.zeros(one.n_segments))
     alone = chain.build(replace(definition, base=None, actuators=(one,), tips=()))
     body = ChainDynamics(alone)
     drives = np.array([joint.channel == axis for joint in alone.joints], dtype=float)
@@ -57,12 +61,13 @@ def blocked(
         pressed = pose.force_on(link, point, -force * across, np.zeros(3))[6:]
         rest = torque * drives - body.stiffness * angles + pressed
         apart = (point - held) @ across
-        return np.append(rest / abs(scale), apart / levers.at)
+        return np.append(rest / scale, apart / levers.at)
 
-    scale = levers.torque(force) or 1.0
+    scale = levers.torque(force)
     arms = np.where(drives > 0, np.maximum(levers.at - places, 0), 0)
     small = (scale * drives - force * arms) / body.stiffness
     found = root(unbalance, np.append(small, 1.0), method="hybr", options={"xtol": 1e-12})
-    if not found.success or np.abs(found.fun).max() > 1e-9:
+    is_near = bool(np.abs(found.x[:-1]).max() < FARTHEST)
+    if not (found.success and is_near) or np.abs(found.fun).max() > 1e-9:
         return None
     return Blocked(float(found.x[-1] * scale), found.x[:-1])

@@ -29,7 +29,8 @@ def values(
     """Return what to write for a key of joint definitions: `first` times the profile, if any."""
     factors = profile if profile is not None and len(places) > 1 else [1.0] * len(places)
     return {
-        (*place, key): first * float(factor) for place, factor in zip(places, factors, strict=True)
+        (*place, key): rounded(first * float(factor))
+        for place, factor in zip(places, factors, strict=True)
     }
 
 

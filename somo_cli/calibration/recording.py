@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from somo_cli.document.table import Table
+from somo_cli.document.table import Table, require
 from somo_cli.problems import InvalidFile, Problem
 from somo_cli.simulation import columns
 from somo_cli.simulation.plan import make_plan
@@ -72,10 +72,17 @@ def recording(table: Table, scene: Scene, chosen: Sequence[str]) -> Recording:
     Columns are called as `somo run` calls them, with or without the manipulator's name in front.
     Raises InvalidFile with every column that the scene cannot record.
     """
-    wanted = list(chosen) or [name for name in table.names if name != TIME]
     whole = make_plan(dataclasses.replace(scene, columns=MEASURABLE))
     header = columns.header(whole)
     full = {name: name for name in header} | {_short(name): name for name in header}
+    short = {name: _short(name) for name in header}
+    wanted = [name for name in table.names if name != TIME]
+    if chosen:
+        # a column may be written in full and asked for in short, or the other way round
+        ways = {name: {name, full.get(name, name), short.get(name, name)} for name in chosen}
+        missing = [name for name in chosen if ways[name].isdisjoint(table.names)]
+        require(table, missing)
+        wanted = [next(one for one in table.names if one in ways[name]) for name in chosen]
     problems = list(_faults(table, wanted, full))
     if problems:
         raise InvalidFile(problems, table.texts)

@@ -14,7 +14,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import OptimizeResult, least_squares
 from scipy.stats import t as student
 
 from somo_cli.simulation.springs import Array
@@ -33,6 +33,7 @@ _STRONG = (0.7, 1.0, 2.0, 5.0)  # ω/σ where damping is so strong that a spectr
 _HALF_PERIODS = range(2, 13)
 _BASIN = 1.0  # [rad] per record
 _STARTS = 4  # of them are followed to their end
+_FEW, _MANY = 15, 500  # steps
 _PADDING = 4
 _SLOWEST, _FASTEST_GROWTH = 0.3, -60.0  # [rad], [1]: bounds of the search, per record
 
@@ -84,22 +85,18 @@ def ring_down(times: Array, values: Array) -> RingDown:
     basis = _basis(t, sigma, omega)
     linear = _linear(basis, y)
     left = y - basis @ linear
-    covariance = _covariance(t, sigma, omega, linear, left)
+    doubt = _doubt(t, sigma, omega, linear, left)
     undamped = math.hypot(omega, sigma)
-    of_decay = np.array([1.0, 0.0])
-    of_frequency = np.array([sigma, omega]) / undamped
-    of_ratio = np.array([omega, -sigma]) * omega / undamped**3
-    error = [
-        math.sqrt(max(float(of @ covariance @ of), 0.0))
-        for of in (of_frequency, of_decay, of_ratio)
-    ]
+    gradients = np.array([[sigma, omega], [undamped, 0], [omega**2, -sigma * omega]]) / undamped
+    gradients[2] /= undamped**2
+    errors = np.linalg.norm(gradients @ doubt, axis=1).tolist()
     found = RingDown(
         frequency=undamped / duration,
         decay=sigma / duration,
         ratio=sigma / undamped,
-        frequency_error=error[0] / duration,
-        decay_error=error[1] / duration,
-        ratio_error=error[2],
+        frequency_error=errors[0] / duration,
+        decay_error=errors[1] / duration,
+        ratio_error=errors[2],
         rest=mean + scale * float(linear[0]),
         amplitude=scale * math.hypot(linear[1], linear[2]) * math.exp(min(sigma, 0.0)),
         residual=scale * math.sqrt(float(left @ left) / len(left)),
@@ -121,11 +118,9 @@ def _refuse_bad_data(times: Array, values: Array) -> None:
             raise NoRingDown(f"{name} {bad[0] + 1} of the record is {data[bad[0]]}")
     back = np.flatnonzero(np.diff(times) <= 0)
     if len(back):
-        at = int(back[0])
-        raise NoRingDown(
-            f"time {at + 2} of the record, {times[at + 1]:g} s, is not after the one before it, "
-            f"{times[at]:g} s"
-        )
+        first, second = times[back[0]], times[back[0] + 1]
+        which = f"time {back[0] + 2} of the record, {second:g} s,"
+        raise NoRingDown(f"{which} is not after the one before it, {first:g} s")
     if np.ptp(values) <= _FLAT * np.abs(values).max():
         raise NoRingDown(f"the values are constant, {values[0]:g}: there is no swing in the record")
 
@@ -142,10 +137,8 @@ def _refuse_bad_fit(found: RingDown, points: int, duration: float) -> None:
             raise NoRingDown(
                 f"the values creep back and do not swing: the damping ratio is {found.ratio:.2g}"
             )
-        raise NoRingDown(
-            f"the record holds {found.periods:.2g} periods of a swing: a fit needs one or more; "
-            "record for longer"
-        )
+        few = f"the record holds {found.periods:.2g} periods of a swing"
+        raise NoRingDown(f"{few}: a fit needs one or more; record for longer")
     samples = (points - 1) / found.periods
     if samples < LEAST_SAMPLES:
         raise NoRingDown(
@@ -153,10 +146,8 @@ def _refuse_bad_fit(found: RingDown, points: int, duration: float) -> None:
             "with fewer the frequency may be another one; sample faster"
         )
     if (found.decay + found.decay_error) * duration < -_GROWTH:
-        raise NoRingDown(
-            f"the swing grows, by e^({-found.decay:.3g} t), and does not decay: something drives "
-            f"it; {cut}"
-        )
+        grows = f"the swing grows, by e^({-found.decay:.3g} t), and does not decay"
+        raise NoRingDown(f"{grows}: something drives it; {cut}")
 
 
 def _basis(t: Array, sigma: float, omega: float) -> Array:
@@ -204,13 +195,13 @@ def _search(t: Array, y: Array) -> tuple[float, float]:
         if _SLOWEST < omega < fastest and sigma < fastest
     ]
     starts.sort(key=lambda x: float(np.sum(left(x) ** 2)))
-    fits = [
-        least_squares(
-            left, start, change, bounds, xtol=1e-13, ftol=1e-15, gtol=1e-15, x_scale=(1.0, 1.0)
-        )
-        for start in _apart(starts)[:_STARTS]
-    ]
-    best = min(fits, key=lambda fit: float(fit.cost))
+
+    def follow(start: Array, most: int) -> OptimizeResult:
+        return least_squares(left, start, change, bounds, "trf", 1e-15, 1e-13, 1e-15, max_nfev=most)
+
+    # few steps tell the best, and those in a wrong place would wander about for long
+    fits = [follow(start, _FEW) for start in _apart(starts)[:_STARTS]]
+    best = follow(min(fits, key=lambda fit: float(fit.cost)).x, _MANY)
     return float(best.x[1]), math.exp(best.x[0])
 
 
@@ -228,13 +219,12 @@ def _apart(starts: list[Array]) -> list[Array]:
 def _candidates(t: Array, y: Array) -> list[tuple[float, float]]:
     """Return pairs of σ and ω to start from, per record.
 
-    For each σ the peak of the spectrum of e^(-σ t) y, which is where a swing of that decay stands
-    out most from noise, and multiples of σ; and a few whole and half periods, since few samples
-    that are far from even have no spectrum to speak of.
+    For each σ multiples of it, and the peak of the spectrum of e^(-σ t) y, where a swing of that
+    decay stands out most; and some half periods, since few uneven samples have no good spectrum.
     """
     even = np.linspace(0.0, 1.0, len(t))
     x = np.interp(even, t, y)
-    x_late = x - x[-max(len(x) // 4, 1) :].mean()
+    x_late = x - x[-(len(x) // 4) :].mean()
     found = [(1.0, half * math.pi) for half in _HALF_PERIODS]
     for sigma in _DECAYS:
         window = np.exp(-abs(sigma) * (even if sigma >= 0 else 1 - even))
@@ -253,15 +243,13 @@ def _peak(x: Array) -> float:
     return float(step * np.argmax(spectrum[1:]) + step)
 
 
-def _covariance(t: Array, sigma: float, omega: float, linear: Array, left: Array) -> Array:
-    """Return the covariance of σ and ω times the square of Student's t, shape (2, 2)."""
+def _doubt(t: Array, sigma: float, omega: float, linear: Array, left: Array) -> Array:
+    """Return the root of the covariance of σ and ω, times Student's t, shape (2, n)."""
     basis = _basis(t, sigma, omega)
     jacobian = np.concatenate((_slopes(t, basis, omega, linear), basis), axis=1)
     freedom = len(t) - jacobian.shape[1]
     sizes = np.linalg.norm(jacobian, axis=0)
     sizes[sizes == 0] = 1.0
-    inverse = np.linalg.pinv(jacobian / sizes)
-    inverse = inverse[:2] / sizes[:2, None]
+    inverse = np.linalg.pinv(jacobian / sizes)[:2] / sizes[:2, None]
     factor = float(student.ppf(0.5 + CONFIDENCE / 2, freedom))
-    variance = float(left @ left) / freedom
-    return np.asarray(factor**2 * variance * inverse @ inverse.T, dtype=np.float64)
+    return np.asarray(factor * math.sqrt(float(left @ left) / freedom) * inverse)

@@ -38,8 +38,8 @@ def damping(
     scene: Annotated[
         str | None,
         typer.Argument(
-            help="The definition, weightless, or a scene of it, gravity, load of its pose and all, "
-            "in which it rings. [default: that of --patch]",
+            help="A definition, taken as weightless, or a scene of it with the gravity and the "
+            "pose in which it rings. [default: the definition of --patch]",
             show_default=False,
         ),
     ] = None,

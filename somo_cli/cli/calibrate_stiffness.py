@@ -98,6 +98,7 @@ def stiffness(
 ) -> None:
     """Find the joint stiffness whose chain has exactly a given tip stiffness.
 
+    Of a definition alone, without a stiffness, it tells the tip stiffness that it has.
     Joints count where they lie: alternating axes, half-length ends, Gauss points. The second table
     says how far chains of more or fewer joints, all with this tip stiffness, are from a uniform
     beam: along their length under a force on the tip, at the tip under an end moment, under the
@@ -112,27 +113,29 @@ def stiffness(
         of_path(definition, patch), actuator, axis, at, (length, joints, axes, about, placement)
     )
     levers = known.levers
-    wanted = _wanted(levers, tip_stiffness, rigidity, modulus, section, bore, poisson)
+    own = _own(known, actuator, axis)
+    wanted = _wanted(levers, own, tip_stiffness, rigidity, modulus, section, bore, poisson)
     is_known = which == "exact" or levers.kind == "bending"
     require(is_known, "--rule", "SoMo has no formula for torsion")
     found = levers.stiffness(wanted) if which == "exact" else levers.somo_stiffness(wanted)
     others = list(compared(known.made, numbers_of("--numbers", numbers)))
-    own = following(levers, known.placement)
+    this = following(levers, known.placement)
     if as_json:
-        typer.echo(json.dumps(_plain(levers, wanted, found, [*others, own]), indent=2))
+        typer.echo(json.dumps(_plain(levers, wanted, found, [*others, this]), indent=2))
     else:
         typer.echo(account.described(levers))
-        for line in account.stiffness_lines(levers, wanted, _own(known, actuator, axis)):
+        for line in account.stiffness_lines(levers, wanted, own):
             typer.echo(line)
         typer.echo("")
         typer.echo("chains of this tip stiffness against a uniform beam:")
-        for line in account.following_lines(others, wanted, own):
+        for line in account.following_lines(others, wanted, this):
             typer.echo(line)
     _keep(known, actuator, axis, found, write, patch)
 
 
 def _wanted(
     levers: "Levers",
+    own: float | None,
     tip_stiffness: float | None,
     rigidity: float | None,
     modulus: float | None,
@@ -140,11 +143,12 @@ def _wanted(
     bore: str | None,
     poisson: float,
 ) -> float:
-    """Return the tip stiffness that the options ask for."""
+    """Return the tip stiffness that the options ask for, else that of the definition."""
     ways = {"--tip-stiffness": tip_stiffness, "--rigidity": rigidity, "--modulus": modulus}
     chosen = [name for name, value in ways.items() if value is not None]
     names = "--tip-stiffness, --rigidity or --modulus with --section"
-    require(len(chosen) == 1, chosen[-1] if chosen else "--tip-stiffness", f"give one of {names}")
+    is_asked = len(chosen) == 1 or not (chosen or own is None)
+    require(is_asked, chosen[-1] if chosen else "--tip-stiffness", f"give one of {names}")
     for name, value in ways.items():
         is_right = value is None or 0 < value < math.inf
         require(is_right, name, f"{value} is not greater than 0, and finite")
@@ -155,7 +159,9 @@ def _wanted(
         return tip_stiffness
     if modulus is not None and section is not None:
         rigidity = modulus * _moment(levers, section, bore, poisson)
-    assert rigidity is not None
+    if rigidity is None:
+        assert own is not None
+        return levers.tip_stiffness(own)
     return levers.tip_stiffness_of_beam(rigidity)
 
 
@@ -175,15 +181,17 @@ def _moment(levers: "Levers", section: str, bore: str | None, poisson: float) ->
 
 
 def _own(known: Given, actuator: int, axis: int) -> float | None:
+    """Return the stiffness of the axis's first joint in the definition, None if there is none."""
     if known.definition is None:
         return None
     one = known.definition.actuators[actuator]
     pairs = zip(one.channels, one.joints, strict=True)
-    return next(
+    found = (
         joint.stiffness
         for channel, joint in pairs
         if channel == axis and joint.joint_type != "fixed"
     )
+    return next(found) or None
 
 
 def _keep(

@@ -100,7 +100,7 @@ def torque(
         of_path(definition, patch), actuator, axis, at, (length, joints, axes, about, placement)
     )
     points = _points(force, pressure, data)
-    pressed = _pressed(known, actuator, axis, small_angles, _points(force, pressure, data))
+    pressed = _pressed(known, actuator, axis, small_angles, points)
     through = fitted(pressed, which, through_zero or data is None)
     per_pressure = None if through is None else through.per_pressure
     is_patchable = patch is None or per_pressure is not None
@@ -158,8 +158,8 @@ def _pressed(
     for one in found:
         if springs is not None and one.equilibrium is None and known.levers.kind == "bending":
             terminal.say(
-                f"somo: warning: at {one.force:g} N there is no equilibrium near the straight pose; "
-                "the rule of small angles is used"
+                f"somo: warning: at {one.force:g} N there is no equilibrium near the straight "
+                "pose; the rule of small angles is used"
             )
     return found
 

@@ -15,9 +15,9 @@ from somo_cli.problems import EngineMissing, EngineRefused, InvalidFile, Simulat
 if TYPE_CHECKING:
     from somo_cli.document.parse import Document
 
-EXIT_CODES = """Exit codes: 0 done; 1 a check found something; 2 wrong usage; 3 the definition or
-scene is at fault; 4 the simulation diverged; 5 a file cannot be read or written, or the engine is
-missing; 130 interrupted. A closed pipe ends a run quietly, with 0."""
+EXIT_CODES = """Exit codes: 0 done; 1 a check found something; 2 wrong usage; 3 the definition,
+scene or recording is at fault; 4 the simulation diverged; 5 a file cannot be read or written, or
+the engine is missing; 130 interrupted. A closed pipe ends a run quietly, with 0."""
 
 app = typer.Typer(
     help="Simulate soft, continuum manipulators as chains of links and spring-dampers.",

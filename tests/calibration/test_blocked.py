@@ -73,6 +73,13 @@ def test_a_force_that_nothing_can_hold_has_no_torque() -> None:
     assert blocked(definition, 0, 0, known, 1e4) is None
 
 
+def test_no_force_takes_no_torque() -> None:
+    definition = definition_of(actuator(5, X))
+    found = blocked(definition, 0, 0, of_definition(definition, 0, 0), 0.0)
+    assert found is not None
+    assert (found.torque, np.abs(found.angles).max()) == (0, 0)
+
+
 def test_torsion_needs_no_such_thing() -> None:
     definition = definition_of(actuator(4, Z))
     assert blocked(definition, 0, 0, of_definition(definition, 0, 0), 1.0) is None

@@ -1,0 +1,220 @@
+"""Parameters that a fit finds again in what a scene with known ones has recorded."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+
+from somo_cli.calibration.doubts import doubts
+from somo_cli.calibration.fit import Fit, Model, NothingToFit, fit
+from somo_cli.calibration.parameters import WHATS, What, changed, parameters
+from somo_cli.calibration.recording import Recording, recording
+from somo_cli.document.table import read_table
+from somo_cli.simulation import columns
+from somo_cli.simulation.bullet import BulletWorld
+from somo_cli.simulation.plan import make_plan
+from somo_cli.simulation.scene import Scene
+from tests.loading import rows_of, scene_from_text
+from tests.manipulator.bodies import Data, actuator, hinge, manipulator
+
+pytestmark = pytest.mark.slow
+
+TIP = ("tip.x_m", "tip.y_m", "tip.z_m")
+PULSES = [[0, 0], [0.02, 0.012], [0.3, 0.012], [0.32, -0.01], [0.6, -0.01], [0.62, 0.004]]
+
+
+def finger(stiffness: Sequence[float], damping: Sequence[float]) -> Data:
+    """Return a finger of 0.1 m and 30 g in six joints, 15 g at its tip."""
+    joints = [
+        hinge(*axis, spring_stiffness=stiffness[number], spring_damping=damping[number])
+        for number, axis in enumerate(((1, 0, 0), (0, 1, 0)))
+    ]
+    link = {"shape_type": "box", "dimensions": [0.02, 0.02, 0.1 / 6], "mass": 0.005}
+    tip = {"shape_type": "sphere", "dimensions": [0.01], "mass": 0.015}
+    body = actuator(6, *joints, link=link)
+    return manipulator(body, world_scale=20, tip_definition=tip)
+
+
+def scene_of(
+    stiffness: Sequence[float] = (0.1, 0.3),
+    damping: Sequence[float] = (4e-4, 6e-4),
+    gain: float = 1.0,
+    stretch: float = 1.0,
+    **of_scene: Any,
+) -> Scene:
+    drives = [
+        {
+            "actuator": 0,
+            "axis": axis,
+            "waypoints": [[stretch * time, size * gain * torque] for time, torque in PULSES],
+        }
+        for axis, size in ((0, 1.0), (1, 3.0))
+    ]
+    one = {"definition": finger(stiffness, damping), "actuation": drives}
+    data = {"manipulators": [one], "record": {"every": 10}, "time_step": 1e-3, **of_scene}
+    return scene_from_text(json.dumps(data))
+
+
+def recorded(
+    scene: Scene, steps: int, names: Sequence[str], noise: float = 0.0, seed: int = 1
+) -> str:
+    """Return the CSV of some columns of a run, with noise on all but the time."""
+    header = [name.removeprefix("body.") for name in columns.header(make_plan(scene))]
+    rows = np.array(rows_of(scene, steps))
+    random = np.random.default_rng(seed)
+    places = [header.index(name) for name in names]
+    values = rows[:, places] + noise * random.standard_normal((len(rows), len(names)))
+    lines = [",".join(["time_s", *names])]
+    for time, row in zip(rows[:, 0], values, strict=True):
+        lines.append(",".join(map(repr, [float(time), *map(float, row)])))
+    return "\n".join(lines)
+
+
+def fitted(guess: Scene, text: str, whats: Sequence[What] = WHATS) -> tuple[Fit, Recording]:
+    measured = recording(read_table(text, "a.csv"), guess, ())
+    model = Model(guess, measured, BulletWorld, lambda runs: None)
+    return fit(model, measured, list(parameters(guess.manipulators[0], whats))), measured
+
+
+@pytest.fixture(scope="module")
+def noisy() -> str:
+    """One second of a tip seen by a camera at 100 Hz, with a fifth of a millimetre of noise."""
+    pytest.importorskip("pybullet")
+    return recorded(scene_of(), 1000, TIP, noise=2e-4)
+
+
+GUESS: dict[str, Any] = {"stiffness": (0.14, 0.22), "damping": (8e-4, 3e-4), "gain": 1.3}
+TRUTH = {"stiffness": (0.1, 0.3), "damping": (4e-4, 6e-4), "gain": (1 / 1.3, 1 / 1.3)}
+
+
+def off(found: Fit) -> dict[str, float]:
+    """Return the relative error of every parameter."""
+    return {
+        one.name: value / TRUTH[one.what][one.axis] - 1
+        for one, value in zip(found.parameters, found.values, strict=True)
+    }
+
+
+def test_it_finds_stiffness_damping_and_gain_again(noisy: str) -> None:
+    found, measured = fitted(scene_of(**GUESS), noisy)
+    assert len(found.parameters) == 6
+    assert max(map(abs, off(found).values())) < 0.01
+    assert found.left_over == pytest.approx(2e-4, rel=0.2)
+    assert found.first_left_over.max() > 1e-2
+    truth = np.array([TRUTH[one.what][one.axis] for one in found.parameters])
+    assert (np.abs(found.values - truth) < 2 * found.errors).all()
+    assert list(doubts(found, measured.scatter)) == []
+
+
+def test_half_of_the_data_give_it_to_three_per_cent(noisy: str) -> None:
+    header, *rows = noisy.split("\n")
+    for half in (rows[: len(rows) // 2], rows[::2]):
+        found, _ = fitted(scene_of(**GUESS), "\n".join([header, *half]))
+        assert max(map(abs, off(found).values())) < 0.03
+
+
+def test_the_intervals_hold_the_truth_as_often_as_they_say() -> None:
+    pytest.importorskip("pybullet")
+    exact = scene_of()
+    hits, draws = 0, 15
+    for seed in range(draws):
+        text = recorded(exact, 300, TIP[:2], noise=3e-4, seed=seed)
+        found, _ = fitted(exact, text, ("stiffness",))
+        hits += int((np.abs(found.values - (0.1, 0.3)) < found.errors).sum())
+    assert hits >= 0.83 * 2 * draws
+    assert hits < 2 * draws  # wide enough to be always right would be too wide
+
+
+def test_angles_and_positions_are_weighed_by_their_scatter() -> None:
+    pytest.importorskip("pybullet")
+    scene = scene_of()
+    names = (*TIP, "actuator_0_joint_01.angle_rad", "actuator_0_joint_04.angle_rad")
+    text = recorded(scene, 600, names, noise=1e-4)
+    found, measured = fitted(scene_of(stiffness=(0.13, 0.25)), text, ("stiffness",))
+    assert measured.quantities == ("joint_angles", "tip_position")
+    assert found.values == pytest.approx([0.1, 0.3], rel=0.002)
+
+
+def test_slow_motion_cannot_tell_stiffness_from_gain() -> None:
+    pytest.importorskip("pybullet")
+    # twenty times slower than the pulses, and damped so that nothing swings
+    slow = {"gravity": [0, 0, 0], "time_step": 1e-2, "stretch": 20}
+    scene = scene_of(damping=(4e-3, 12e-3), **slow)
+    text = recorded(scene, 800, TIP, noise=5e-4)
+    found, measured = fitted(scene, text, ("stiffness", "gain"))
+    said = list(doubts(found, measured.scatter))
+    assert any(
+        "cannot tell the stiffness of actuator 0, axis 0 from the gain of actuator 0, axis 0" in one
+        for one in said
+    )
+    alone, measured = fitted(scene, text, ("stiffness",))
+    assert list(doubts(alone, measured.scatter)) == []
+
+
+def test_what_does_not_show_stays_as_it_is() -> None:
+    pytest.importorskip("pybullet")
+    still = scene_of(gravity=[0, 0, 0])
+    one = still.manipulators[0]
+    entry = one.actuation[0]
+    half = dataclasses.replace(still, manipulators=(dataclasses.replace(one, actuation=(entry,)),))
+    text = recorded(half, 400, TIP[1:], noise=1e-4)
+    found, measured = fitted(half, text, ("stiffness",))
+    assert [one.name for one in found.silent] == ["stiffness of actuator 0, axis 1"]
+    assert next(doubts(found, measured.scatter)) == (
+        "the data say nothing about the stiffness of actuator 0, axis 1: it stays at 0.3"
+    )
+    nowhere = recorded(half, 200, ("tip.x_m",), noise=1e-4)
+    with pytest.raises(NothingToFit, match="depends on the parameters"):
+        fitted(half, nowhere, ("stiffness",))
+
+
+def test_a_model_that_does_not_follow_is_told() -> None:
+    pytest.importorskip("pybullet")
+    text = recorded(scene_of(gravity=[3, 0, -9.81]), 500, TIP, noise=1e-4)
+    found, measured = fitted(scene_of(), text, ("stiffness",))
+    assert found.persistence > 0.9
+    assert "what is left over is no noise" in list(doubts(found, measured.scatter))[-1]
+
+
+def test_times_between_the_steps_are_met() -> None:
+    pytest.importorskip("pybullet")
+    exact = recorded(scene_of(record={"every": 1}), 400, TIP)
+    header, *rows = exact.split("\n")
+    times = [float(row.split(",")[0]) for row in rows]
+    table = np.array([[float(cell) for cell in row.split(",")] for row in rows])
+    asked = np.array(times[3:-3:7]) + 0.37e-3
+    between = [np.interp(asked, table[:, 0], table[:, column]) for column in (1, 2, 3)]
+    lines = [",".join(map(repr, map(float, row))) for row in zip(asked, *between, strict=True)]
+    found, _ = fitted(scene_of(stiffness=(0.12, 0.3)), "\n".join([header, *lines]), ("stiffness",))
+    # what was asked for was read off straight lines between steps of 1 ms
+    assert found.values == pytest.approx([0.1, 0.3], rel=1e-4)
+
+
+def test_parameters_start_at_what_the_scene_says() -> None:
+    known = list(parameters(scene_of().manipulators[0], WHATS))
+    assert [(one.what, one.axis, one.guess) for one in known] == [
+        ("stiffness", 0, 0.1),
+        ("damping", 0, 4e-4),
+        ("gain", 0, 1.0),
+        ("stiffness", 1, 0.3),
+        ("damping", 1, 6e-4),
+        ("gain", 1, 1.0),
+    ]
+    undamped = scene_of(damping=(0, 6e-4)).manipulators[0]
+    assert [one.axis for one in parameters(undamped, ("damping",))] == [1]
+
+
+def test_changed_scenes_have_their_factors() -> None:
+    scene = scene_of()
+    known = list(parameters(scene.manipulators[0], WHATS))
+    (one,) = changed(scene, known, [np.log(2), 0, 0.5, 0, np.log(3), 0]).manipulators
+    first, second = one.compiled.chain.joints[:2]
+    assert (first.stiffness, first.damping) == pytest.approx((0.2, 4e-4))
+    assert (second.stiffness, second.damping) == pytest.approx((0.3, 18e-4))
+    assert one.actuation[0].waypoints[1] == (0.02, pytest.approx(0.018))
+    assert one.actuation[1] == scene.manipulators[0].actuation[1]
