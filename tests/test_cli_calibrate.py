@@ -205,7 +205,7 @@ def test_a_fit_finds_again_what_a_run_was_made_with(somo: Somo, here: Path) -> N
     (here / "finger.yaml").write_text(wrong, "utf-8")
     ended = somo(
         "calibrate", "fit", "scene.yaml", "--data", "scene.csv", "--columns",
-        "finger.tip.y_m,tip.z_m,actuator_0_joint_01.angle_rad", "--patch", "finger.yaml",
+        "finger.tip.y_m,tip.z_m,actuator_0_joint_01.angle_rad", "--patch", here / "finger.yaml",
     )  # fmt: skip
     assert ended.returncode == 0, ended.stderr
     joint = joint_of(here / "finger.yaml", 0)
@@ -316,6 +316,10 @@ TIP = ("calibrate", "stiffness", "finger.yaml")
         (
             ("calibrate", "damping", "finger.yaml", "--ratio", "1", "--axis", "3"),
             "axis 3 of actuator 0 moves no joint",
+        ),
+        (
+            ("calibrate", "damping", "finger.yaml", "--ratio", "1", "--patch", "scene.yaml"),
+            "scene.yaml is not what was read: finger.yaml",
         ),
         ((*FIT, "--parameters", "mass"), "'mass' is not one of stiffness, damping, gain"),
     ],

@@ -107,7 +107,9 @@ class Given:
 
 def of_path(definition: str | None, patch: str | None) -> str | None:
     """Return the definition to read: the argument, else the one to patch."""
-    is_one = definition is None or patch is None or Path(definition) == Path(patch)
+    is_one = (
+        definition is None or patch is None or Path(definition).resolve() == Path(patch).resolve()
+    )
     require(is_one, "--patch", f"it names another definition than {definition}: leave that out")
     return definition or patch
 
@@ -211,8 +213,20 @@ def keep(
         files.write_whole(write, written)
         terminal.say(f"{write}: written")
     if patch is not None and document is not None:
-        files.write_whole(patch, _patched(document, patch, values, beside))
+        files.write_whole(patch, _patched(document, source_of(document, patch), values, beside))
         terminal.say(f"{patch}: patched")
+
+
+def source_of(document: "Document", path: str) -> str:
+    """Return the name by which the file to patch was read into a document."""
+    target = Path(path)
+    for source in document.texts:
+        if source == path or (
+            target.exists() and Path(source).exists() and target.samefile(source)
+        ):
+            return source
+    names = ", ".join(document.texts)
+    raise typer.BadParameter(f"{path} is not what was read: {names}", param_hint="'--patch'")
 
 
 def _patched(

@@ -3,7 +3,6 @@
 import dataclasses
 import json
 import math
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -17,6 +16,7 @@ from somo_cli.cli.calibrate import (
     WriteOption,
     calibrate,
     keep,
+    source_of,
     table_of,
 )
 from somo_cli.cli.door import EXIT_CODES, ending, require
@@ -84,6 +84,8 @@ def damping(
     require(path is not None, "SCENE", "give a definition or a scene")
     assert path is not None
     document, found = _scene(path)
+    if patch is not None:
+        source_of(document, patch)
     mode = _mode(found, actuator, axis)
     swing = None if ring_down is None else _swing(ring_down, column, begin, end)
     wanted = ratio if swing is None else swing.ratio
@@ -112,7 +114,7 @@ def damping(
             f"{(swing.frequency / mode.frequency) ** 2:.3g} times what it is; check the mass, the "
             "stiffness, and that the scene is how it hung"
         )
-    _keep(document, path, found, actuator, axis, seconds, write, patch)
+    _keep(document, found, actuator, axis, seconds, write, patch)
 
 
 def _scene(path: str) -> "tuple[Document, Scene]":
@@ -211,7 +213,6 @@ def _print(
 
 def _keep(
     document: "Document",
-    path: str,
     scene: "Scene",
     actuator: int,
     axis: int,
@@ -223,8 +224,6 @@ def _keep(
     from somo_cli.simulation.scene import is_scene
 
     at = ("manipulators", 0, "definition") if is_scene(document) else ()
-    is_other = patch is not None and Path(patch) != Path(path) and not is_scene(document)
-    require(not is_other, "--patch", f"it names another definition than {path}: leave that out")
     places = joints.pointers(document, at, actuator, axis)
     stiffness = _stiffness(scene, actuator, axis)
     profile = [value / stiffness[0] for value in stiffness]

@@ -13,6 +13,7 @@ from somo_cli.cli.calibrate import (
     WriteOption,
     calibrate,
     keep,
+    source_of,
     table_of,
 )
 from somo_cli.cli.door import EXIT_CODES, ending, require
@@ -86,6 +87,8 @@ def fit(
         place = document.span(("manipulators", 1))
         message = "there are several manipulators, and a fit is about one"
         raise InvalidFile([Problem(place, message, "give a scene of one")], document.texts)
+    if patch is not None:
+        source_of(document, patch)
     table = table_of(data)
     require_columns(table, (TIME,), TIME, LEAST_ROWS, "a fit")
     measured = recording(table, planned, columns.split(",") if columns else ())
