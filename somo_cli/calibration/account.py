@@ -54,7 +54,8 @@ def stiffness_lines(levers: Levers, wanted: float, own: float | None) -> Iterato
     rows = []
     for name, stiffness in rules.items():
         tip = levers.tip_stiffness(stiffness)
-        rows.append([name, f"{stiffness:.6g}", f"{tip:.6g}", f"{100 * (tip / wanted - 1):+.4g} %"])
+        off = round(100 * (tip / wanted - 1), 9)
+        rows.append([name, f"{stiffness:.6g}", f"{tip:.6g}", f"{off:+.4g} %"])
     yield from table(["rule", "spring_stiffness [N·m/rad]", f"tip [{unit}]", "off by"], rows)
     if levers.count > 1 and levers.profile.min() < levers.profile.max():
         yield "spring_stiffness is that of the first joint; the others keep their ratio to it"
