@@ -98,7 +98,8 @@ def stiffness(
 ) -> None:
     """Find the joint stiffness whose chain has exactly a given tip stiffness.
 
-    Of a definition alone, without a stiffness, it tells the tip stiffness that it has.
+    The actuator is clamped by itself. Of a definition alone, without a stiffness, it tells the tip
+    stiffness that it has.
     Joints count where they lie: alternating axes, half-length ends, Gauss points. The second table
     says how far chains of more or fewer joints, all with this tip stiffness, are from a uniform
     beam: along their length under a force on the tip, at the tip under an end moment, under the
