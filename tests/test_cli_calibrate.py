@@ -224,6 +224,35 @@ def test_a_fit_finds_again_what_a_run_was_made_with(somo: Somo, here: Path) -> N
     assert [line for line in (here / "finger.yaml").read_text().splitlines() if "#" in line] == kept
 
 
+@pytest.mark.slow
+def test_the_gain_of_a_torque_is_left_to_the_scene(somo: Somo, here: Path) -> None:
+    pytest.importorskip("pybullet")
+    assert somo("run", "scene.yaml", "--steps", "300", "-q").returncode == 0
+    text = (here / "scene.yaml").read_text("utf-8")
+    (here / "scene.yaml").write_text(text.replace("[0.5, 0.03]", "[0.5, 0.024]"), "utf-8")
+    before = joint_of(here / "finger.yaml", 0)
+    ended = somo(
+        "calibrate", "fit", "scene.yaml", "--data", "scene.csv", "--parameters",
+        "damping,gain", "--patch", "finger.yaml",
+    )  # fmt: skip
+    assert ended.returncode == 0, ended.stderr
+    said = [line for line in ended.stderr.splitlines() if "warning" not in line]
+    assert said == [
+        "finger.yaml: patched",
+        "scene.yaml: multiply by the gain of actuator 0, axis 0, 1.25, by hand",
+        "scene.yaml: multiply by the gain of actuator 0, axis 1, 1.25, by hand",
+    ]
+    after = joint_of(here / "finger.yaml", 0)
+    assert after["torque_per_pressure"] == before["torque_per_pressure"]
+    assert after["spring_damping"] == pytest.approx(before["spring_damping"], rel=1e-3)
+    only = somo(
+        "calibrate", "fit", "scene.yaml", "--data", "scene.csv", "--parameters", "gain",
+        "--patch", "finger.yaml",
+    )  # fmt: skip
+    assert only.returncode == 2
+    assert "only gains are fitted, and torques are in the scene" in only.stderr
+
+
 FIT = ("calibrate", "fit", "scene.yaml", "--data", "m.csv")
 RINGS = ("calibrate", "damping", "finger.yaml", "--ring-down", "m.csv")
 FORCES = ("calibrate", "torque", "finger.yaml", "--data", "m.csv")
@@ -305,6 +334,14 @@ TIP = ("calibrate", "stiffness", "finger.yaml")
         ((*TIP, "--patch", "scene.yaml", "--tip-stiffness", "1"), "another definition than finger"),
         (("calibrate", "stiffness", "--tip-stiffness", "1"), "give a definition, or --length and"),
         (
+            ("calibrate", "stiffness", "--length", "1", "--places", "0.1;0.2", "--rigidity", "1"),
+            "'0.1;0.2' is not a list of places in metres",
+        ),
+        (
+            ("calibrate", "torque", "--length", "1", "--places", "0.1,1.2", "--force", "1"),
+            "a joint at 1.2 m is not on the 1 m of actuator",
+        ),
+        (
             ("calibrate", "stiffness", "--length", "-1", "--joints", "2", "--tip-stiffness", "1"),
             "-1.0 is not greater than 0",
         ),
@@ -321,6 +358,8 @@ TIP = ("calibrate", "stiffness", "finger.yaml")
             ("calibrate", "damping", "finger.yaml", "--ratio", "1", "--patch", "scene.yaml"),
             "scene.yaml is not what was read: finger.yaml",
         ),
+        ((*TIP, "--write", "finger.yaml"), "finger.yaml is what is read: change it with --patch"),
+        ((*FIT, "--write", "./scene.yaml"), "./scene.yaml is what is read: change it with --patch"),
         ((*FIT, "--parameters", "mass"), "'mass' is not one of stiffness, damping, gain"),
     ],
 )

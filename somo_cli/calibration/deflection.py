@@ -30,7 +30,8 @@ class Following:
     """What is wrong with the chain of some levers, tip-matched; ratios, so 0.01 is one per cent.
 
     `along` is the largest error of the deflection along the length under a force on the tip
-    (torsion: of the angle under a moment), over that of the tip. `moment` and `weight` are errors
+    (torsion: of the angle under a moment), over that of the tip, and `profile` the errors at
+    tenths of the length, from the clamp, shape (11,). `moment` and `weight` are errors
     of the tip's deflection under an end moment and under the beam's own weight, `large` is the
     distance of the tip from the elastica's under a dead load P L² / EI = 1, over the length; all
     three are nan for torsion. `frequency` is the error of the first natural frequency, `top` how
@@ -40,6 +41,7 @@ class Following:
     levers: Levers
     placement: Placement
     along: float
+    profile: Array
     moment: float
     weight: float
     large: float
@@ -54,11 +56,13 @@ def following(levers: Levers, placement: Placement) -> Following:
     rigid = levers.rigidity(levers.tip_stiffness(1.0)) / levers.at  # EI / a for a stiffness of 1
     stiffness = (levers.profile / levers.shares)[: len(arms)] / rigid
     frequencies = _frequencies(levers, places, stiffness)
+    errors = _errors_along(levers, places, stiffness)
     is_bending = levers.kind == "bending"
     return Following(
         levers=levers,
         placement=placement,
-        along=_along(levers, places, stiffness),
+        along=float(np.abs(errors).max()),
+        profile=errors[:: (_STATIONS - 1) // 10],
         moment=_tip(places, stiffness, 0) * 2 - 1 if is_bending else math.nan,
         weight=_tip(places, stiffness, 2) * 4 - 1 if is_bending else math.nan,
         large=_large(places, stiffness) if is_bending else math.nan,
@@ -82,16 +86,18 @@ def _tip(places: Array, stiffness: Array, power: int) -> float:
     return float(np.sum(arms**power / stiffness * arms))
 
 
-def _along(levers: Levers, places: Array, stiffness: Array) -> float:
+def _errors_along(levers: Levers, places: Array, stiffness: Array) -> Array:
+    """Return chain minus beam at even stations along the length, over the tip's deflection."""
     s = np.linspace(0, 1, _STATIONS)
     beyond = s[:, np.newaxis] - places
     if levers.kind == "torsion":
-        turned = (beyond > 0) @ (1 / stiffness)
         # between two joints the link has one angle: the worst is at its ends
-        return float(np.abs(turned - s).max())
+        twist: Array = (beyond > 0) @ (1 / stiffness) - s
+        return twist
     chain = np.maximum(beyond, 0) @ ((1 - places) / stiffness)
     beam = s * s * (3 - s) / 6  # Timoshenko, Strength of Materials I (1955), sec. 32
-    return float(3 * np.abs(chain - beam).max())
+    errors: Array = 3 * (chain - beam)
+    return errors
 
 
 def _large(places: Array, stiffness: Array) -> float:

@@ -23,6 +23,16 @@ def pointers(document: Document, at: Pointer, actuator: int, axis: int) -> tuple
     return tuple((*where, "joint_definitions", number) for number in numbers)
 
 
+def under_pressure(document: Document, manipulator: int) -> set[tuple[int, int]]:
+    """Return actuator and axis of all that pressure drives in a scene without faults."""
+    data: Any = document.at(("manipulators", manipulator))
+    return {
+        (int(entry["actuator"]), int(entry["axis"]))
+        for entry in data.get("actuation", ())
+        if "pressure" in entry or entry.get("input") == "pressure"
+    }
+
+
 def values(
     places: Sequence[Pointer], key: str, first: float, profile: Sequence[float] | None = None
 ) -> Mapping[Pointer, float]:

@@ -183,6 +183,28 @@ def evenly_made(
     )
 
 
+def placed_at(
+    length: float, places: Sequence[float], direction: Vector, at: float | None = None
+) -> Levers:
+    """Return an actuator with equal joints of one axis at these distances from its base [m].
+
+    Raises NoLevers.
+    """
+    outside = [place for place in places if not 0 <= place < length]
+    if outside:
+        raise NoLevers(f"a joint at {outside[0]:g} m is not on the {length:g} m of actuator")
+    return _checked(
+        Levers(
+            *_kind(direction),
+            places=np.array(sorted(places)),
+            shares=np.ones(len(places)),
+            profile=np.ones(len(places)),
+            at=length if at is None else at,
+            length=length,
+        )
+    )
+
+
 def _checked(levers: Levers) -> Levers:
     if not 0 < levers.at <= levers.length * (1 + 1e-9):
         raise NoLevers(f"{levers.at:g} m is not a place on the {levers.length:g} m of actuator")

@@ -60,6 +60,14 @@ LengthOption = Annotated[
 JointsOption = Annotated[
     int | None, typer.Option("--joints", metavar="N", help="Number of joints of the axis.")
 ]
+PlacesOption = Annotated[
+    str | None,
+    typer.Option(
+        "--places",
+        metavar="M,M,...",
+        help="Where the joints of the axis are, from the base [m], in place of --joints.",
+    ),
+]
 AxesOption = Annotated[
     int, typer.Option("--axes", min=1, max=3, help="Number of axes that take turns.")
 ]
@@ -105,6 +113,18 @@ class Given:
     definition: "Definition | None" = None
 
 
+@dataclass(frozen=True, slots=True)
+class MadeOf:
+    """The options that make joints without a definition: length [m], joints or places [m], ..."""
+
+    length: float | None
+    joints: int | None
+    places: str | None
+    axes: int
+    about: str
+    placement: str
+
+
 def of_path(definition: str | None, patch: str | None) -> str | None:
     """Return the definition to read: the argument, else the one to patch."""
     is_one = (
@@ -119,18 +139,20 @@ def given(
     actuator: int,
     axis: int,
     at: float | None,
-    made_of: tuple[float | None, int | None, int, str, str],
+    made_of: MadeOf,
+    write: str | None,
+    patch: str | None,
 ) -> Given:
-    """Return the joints that the options speak of.
-
-    `made_of` holds length, joints, axes, about and placement, for joints without a definition.
-    """
+    """Return the joints that the options speak of."""
     from somo_cli.calibration.levers import NoLevers
 
     try:
         if path is None:
-            return _from_numbers(axis, at, *made_of)
-        return _from_definition(path, actuator, axis, at)
+            return _from_numbers(axis, at, made_of)
+        known = _from_definition(path, actuator, axis, at)
+        assert known.document is not None
+        require_targets(known.document, write, patch)
+        return known
     except NoLevers as error:
         raise typer.BadParameter(str(error), param_hint="'--axis'") from error
 
@@ -156,33 +178,39 @@ def _from_definition(path: str, actuator: int, axis: int, at: float | None) -> G
     return Given(known, made, one.placement, document, compiled.definition)
 
 
-def _from_numbers(
-    axis: int,
-    at: float | None,
-    length: float | None,
-    joints: int | None,
-    axes: int,
-    about: str,
-    placement: str,
-) -> Given:
+def _from_numbers(axis: int, at: float | None, made_of: MadeOf) -> Given:
     from somo_cli.calibration import levers
 
     directions = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+    about, axes, length, joints = made_of.about, made_of.axes, made_of.length, made_of.joints
     require(about in directions, "--about", f"{about!r} is not x, y or z")
-    require(placement in ("uniform", "gauss"), "--placement", f"{placement!r} is unknown")
-    if length is None or joints is None:
+    is_known = made_of.placement in ("uniform", "gauss")
+    require(is_known, "--placement", f"{made_of.placement!r} is not uniform or gauss")
+    if length is None or (joints is None) == (made_of.places is None):
         raise typer.BadParameter(
-            "give a definition, or --length and --joints", param_hint="'DEFINITION'"
+            "give a definition, or --length and --joints or --places", param_hint="'DEFINITION'"
         )
     require(0 < length < 1e6, "--length", f"{length} is not greater than 0 and less than 1e6")
-    require(0 < joints <= 1000, "--joints", f"{joints} is not from 1 to 1000")
     require(axis < axes, "--axis", f"axis {axis} is not one of {axes}: give --axes")
-    where: Placement = "gauss" if placement == "gauss" else "uniform"
+    where: Placement = "gauss" if made_of.placement == "gauss" else "uniform"
 
     def made(count: int, other: "Placement") -> "Levers":
         return levers.evenly_made(length, count, axes, axis, directions[about], other, at)
 
-    return Given(made(joints, where), made, where)
+    if joints is not None:
+        require(0 < joints <= 1000, "--joints", f"{joints} is not from 1 to 1000")
+        return Given(made(joints, where), made, where)
+    assert made_of.places is not None
+    places = _places(made_of.places)
+    return Given(levers.placed_at(length, places, directions[about], at), made, where)
+
+
+def _places(text: str) -> list[float]:
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        message = f"{text!r} is not a list of places in metres, such as 0.01,0.03"
+        raise typer.BadParameter(message, param_hint="'--places'") from None
 
 
 def table_of(path: str) -> "Table":
@@ -213,20 +241,30 @@ def keep(
         files.write_whole(write, written)
         terminal.say(f"{write}: written")
     if patch is not None and document is not None:
-        files.write_whole(patch, _patched(document, source_of(document, patch), values, beside))
+        files.write_whole(patch, _patched(document, _source(document, patch), values, beside))
         terminal.say(f"{patch}: patched")
 
 
-def source_of(document: "Document", path: str) -> str:
+def require_targets(document: "Document", write: str | None, patch: str | None) -> None:
+    """Refuse, before anything is computed, to patch what was not read, or to write over it."""
+    if patch is not None:
+        _source(document, patch)
+    is_read = write is not None and any(_is_same(write, source) for source in document.texts)
+    require(not is_read, "--write", f"{write} is what is read: change it with --patch")
+
+
+def _source(document: "Document", path: str) -> str:
     """Return the name by which the file to patch was read into a document."""
-    target = Path(path)
     for source in document.texts:
-        if source == path or (
-            target.exists() and Path(source).exists() and target.samefile(source)
-        ):
+        if _is_same(path, source):
             return source
     names = ", ".join(document.texts)
     raise typer.BadParameter(f"{path} is not what was read: {names}", param_hint="'--patch'")
+
+
+def _is_same(path: str, source: str) -> bool:
+    one, other = Path(path), Path(source)
+    return path == source or (one.exists() and other.exists() and one.samefile(other))
 
 
 def _patched(

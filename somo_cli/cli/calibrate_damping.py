@@ -16,7 +16,7 @@ from somo_cli.cli.calibrate import (
     WriteOption,
     calibrate,
     keep,
-    source_of,
+    require_targets,
     table_of,
 )
 from somo_cli.cli.door import EXIT_CODES, ending, require
@@ -60,10 +60,22 @@ def damping(
         typer.Option("--column", metavar="NAME", help="The column that rings, if there are more."),
     ] = None,
     begin: Annotated[
-        float, typer.Option("--from", metavar="S", help="Leave out what is before this time [s].")
+        float,
+        typer.Option(
+            "--from",
+            metavar="S",
+            help="Leave out what is before this time [s].",
+            show_default=False,
+        ),
     ] = -math.inf,
     end: Annotated[
-        float, typer.Option("--until", metavar="S", help="Leave out what is after this time [s].")
+        float,
+        typer.Option(
+            "--until",
+            metavar="S",
+            help="Leave out what is after this time [s].",
+            show_default=False,
+        ),
     ] = math.inf,
     actuator: ActuatorOption = 0,
     axis: AxisOption = 0,
@@ -84,8 +96,7 @@ def damping(
     require(path is not None, "SCENE", "give a definition or a scene")
     assert path is not None
     document, found = _scene(path)
-    if patch is not None:
-        source_of(document, patch)
+    require_targets(document, write, patch)
     mode = _mode(found, actuator, axis)
     swing = None if ring_down is None else _swing(ring_down, column, begin, end)
     wanted = ratio if swing is None else swing.ratio

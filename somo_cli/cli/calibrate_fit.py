@@ -1,7 +1,7 @@
 """somo calibrate fit: stiffness, damping and actuation gain from a recorded motion."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -13,7 +13,7 @@ from somo_cli.cli.calibrate import (
     WriteOption,
     calibrate,
     keep,
-    source_of,
+    require_targets,
     table_of,
 )
 from somo_cli.cli.door import EXIT_CODES, ending, require
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from somo_cli.simulation.scene import Scene
 
 LEAST_ROWS = 8
-_RUNS = 60  # what a bar of progress expects, per parameter
+_RUNS = 20  # what a bar of progress expects, per parameter
 
 
 @calibrate.command(epilog=EXIT_CODES)
@@ -87,12 +87,15 @@ def fit(
         place = document.span(("manipulators", 1))
         message = "there are several manipulators, and a fit is about one"
         raise InvalidFile([Problem(place, message, "give a scene of one")], document.texts)
-    if patch is not None:
-        source_of(document, patch)
+    require_targets(document, write, patch)
     table = table_of(data)
     require_columns(table, (TIME,), TIME, LEAST_ROWS, "a fit")
     measured = recording(table, planned, columns.split(",") if columns else ())
     known = _parameters(planned, whats)
+    is_kept = write is not None or patch is not None
+    is_of_scene = all(_is_for_the_scene(document, one) for one in known)
+    is_writable = not (is_kept and is_of_scene)
+    require(is_writable, "--patch", "only gains are fitted, and torques are in the scene")
     found = _fitted(planned, measured, known)
     if as_json:
         typer.echo(json.dumps(_plain(found, measured), indent=2))
@@ -103,11 +106,13 @@ def fit(
 
     for sentence in doubts(found, measured.scatter):
         terminal.say(f"somo: warning: {sentence}")
-    if write is not None or patch is not None:
-        values = dict(_values(document, planned, found))
-        require(bool(values), "--patch", "only gains were fitted, and torques are in the scene")
+    if is_kept:
+        values = dict(_values(document, found))
         after = {"spring_damping": "spring_stiffness", "torque_per_pressure": "spring_stiffness"}
         keep(document, values, "", write, patch, after)
+        for one, factor in zip(found.parameters, found.factors.tolist(), strict=True):
+            if _is_for_the_scene(document, one):
+                terminal.say(f"{scene}: multiply by the {one.name}, {factor:.6g}, by hand")
 
 
 def _whats(text: str) -> "Sequence[What]":
@@ -141,10 +146,8 @@ def _fitted(scene: "Scene", measured: "Recording", known: "Sequence[Parameter]")
             raise typer.BadParameter(str(error), param_hint="'--data'") from error
 
 
-def _values(
-    document: "Document", scene: "Scene", found: "Fit"
-) -> "Sequence[tuple[Pointer, float]]":
-    """Return what to write into the definition: all but the gains of torques."""
+def _values(document: "Document", found: "Fit") -> "Iterator[tuple[Pointer, float]]":
+    """Yield what to write into the definition: all but the gains of torques."""
     from somo_cli.calibration import joints
 
     at: Pointer = ("manipulators", 0, "definition")
@@ -153,15 +156,23 @@ def _values(
         "damping": "spring_damping",
         "gain": "torque_per_pressure",
     }
-    values: list[tuple[Pointer, float]] = []
     for parameter, factor in zip(found.parameters, found.factors.tolist(), strict=True):
+        if _is_for_the_scene(document, parameter):
+            continue
         key = keys[parameter.what]
         for place in joints.pointers(document, at, parameter.actuator, parameter.axis):
             definition = document.at(place)
             assert isinstance(definition, dict)
             if definition.get(key) is not None:
-                values.append(((*place, key), joints.rounded(float(definition[key]) * factor)))
-    return values
+                yield (*place, key), joints.rounded(float(definition[key]) * factor)
+
+
+def _is_for_the_scene(document: "Document", parameter: "Parameter") -> bool:
+    """Whether a parameter is the gain of torques, for which a definition has no place."""
+    from somo_cli.calibration import joints
+
+    where = parameter.actuator, parameter.axis
+    return parameter.what == "gain" and where not in joints.under_pressure(document, 0)
 
 
 def _table(found: "Fit", measured: "Recording") -> list[str]:

@@ -1,6 +1,5 @@
 """somo calibrate stiffness: from the stiffness of a tip or a beam to that of joints."""
 
-import dataclasses
 import json
 import math
 from typing import TYPE_CHECKING, Annotated
@@ -18,8 +17,10 @@ from somo_cli.cli.calibrate import (
     JointsOption,
     JsonOption,
     LengthOption,
+    MadeOf,
     PatchOption,
     PlacementOption,
+    PlacesOption,
     WriteOption,
     calibrate,
     given,
@@ -77,6 +78,7 @@ def stiffness(
     at: AtOption = None,
     length: LengthOption = None,
     joints: JointsOption = None,
+    places: PlacesOption = None,
     axes: AxesOption = 1,
     about: AboutOption = "x",
     placement: PlacementOption = "uniform",
@@ -111,7 +113,13 @@ def stiffness(
 
     which = rule_of(rule)
     known = given(
-        of_path(definition, patch), actuator, axis, at, (length, joints, axes, about, placement)
+        of_path(definition, patch),
+        actuator,
+        axis,
+        at,
+        MadeOf(length, joints, places, axes, about, placement),
+        write,
+        patch,
     )
     levers = known.levers
     own = _own(known, actuator, axis)
@@ -228,16 +236,23 @@ def _plain(
         "spring_stiffness": found,
         "tip_stiffness_made": levers.tip_stiffness(found),
         "profile": levers.profile.tolist(),
-        "chains": [
-            {
-                "joints": one.levers.count,
-                "spring_stiffness": one.levers.stiffness(wanted),
-                **{
-                    key: None if isinstance(value, float) and math.isnan(value) else value
-                    for key, value in dataclasses.asdict(one).items()
-                    if key != "levers"
-                },
-            }
-            for one in followed
-        ],
+        "chains": [_plain_chain(one, wanted) for one in followed],
+    }
+
+
+def _plain_chain(one: "Following", wanted: float) -> dict[str, object]:
+    known = {
+        "moment": one.moment,
+        "weight": one.weight,
+        "large": one.large,
+        "frequency": one.frequency,
+        "top": one.top,
+    }
+    return {
+        "joints": one.levers.count,
+        "placement": one.placement,
+        "spring_stiffness": one.levers.stiffness(wanted),
+        "along": one.along,
+        "errors_at_tenths": one.profile.tolist(),
+        **{key: None if math.isnan(value) else value for key, value in known.items()},
     }

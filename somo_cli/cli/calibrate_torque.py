@@ -18,8 +18,10 @@ from somo_cli.cli.calibrate import (
     JointsOption,
     JsonOption,
     LengthOption,
+    MadeOf,
     PatchOption,
     PlacementOption,
+    PlacesOption,
     WriteOption,
     calibrate,
     given,
@@ -78,6 +80,7 @@ def torque(
     at: AtOption = None,
     length: LengthOption = None,
     joints: JointsOption = None,
+    places: PlacesOption = None,
     axes: AxesOption = 1,
     about: AboutOption = "x",
     placement: PlacementOption = "uniform",
@@ -97,7 +100,13 @@ def torque(
 
     which = rule_of(rule)
     known = given(
-        of_path(definition, patch), actuator, axis, at, (length, joints, axes, about, placement)
+        of_path(definition, patch),
+        actuator,
+        axis,
+        at,
+        MadeOf(length, joints, places, axes, about, placement),
+        write,
+        patch,
     )
     points = _points(force, pressure, data)
     pressed = _pressed(known, actuator, axis, small_angles, points)

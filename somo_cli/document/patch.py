@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from copy import deepcopy
 from typing import Any, TypeAlias
 
+from somo_cli.document.parse import Document, parse
 from somo_cli.document.text_edit import (
     Edit,
     File,
@@ -18,7 +19,6 @@ from somo_cli.document.text_edit import (
     shown,
     written,
 )
-from somo_cli.document.parse import Document, parse
 from somo_cli.problems import LINE_BREAK, InvalidFile, Pointer, Problem
 
 _Numbers: TypeAlias = Mapping[Pointer, Number]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 from somo_cli.calibration.deflection import Following, compared, following
@@ -60,6 +61,17 @@ def test_a_chain_of_three_is_as_good_as_one_of_seven() -> None:
 )
 def test_the_first_frequency(count: int, rigid: float) -> None:
     assert of_one_axis(count).frequency == pytest.approx(rigid - 1 / (8 * count**2), rel=0.03)
+
+
+def test_errors_at_tenths_of_the_length() -> None:
+    found = of_one_axis(2)
+    # one hinge at L/4, one at 3L/4, straight in between; the tip is matched
+    s = np.linspace(0, 1, 11)
+    stiffness = found.levers.stiffness(3.0)
+    chain = sum(np.maximum(s - x, 0) * (1 - x) / stiffness for x in (0.25, 0.75))
+    assert found.profile == pytest.approx(3 * chain - s * s * (3 - s) / 2)
+    assert found.profile[[0, -1]] == pytest.approx([0, 0], abs=1e-12)
+    assert np.abs(found.profile).max() <= found.along
 
 
 def test_a_gauss_chain_pays_with_its_highest_frequency() -> None:

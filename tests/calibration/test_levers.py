@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from somo_cli.calibration.levers import Levers, NoLevers, evenly_made, of_definition
+from somo_cli.calibration.levers import Levers, NoLevers, evenly_made, of_definition, placed_at
 from somo_cli.manipulator import chain
 from somo_cli.manipulator.definition import Definition, Placement
 from somo_cli.simulation.dynamics import ChainDynamics
@@ -87,6 +87,14 @@ def test_the_rule_in_numbers() -> None:
     squares = 0.095**2 + 0.075**2 + 0.055**2 + 0.035**2 + 0.015**2
     assert known.stiffness(WANTED) == pytest.approx(6.12 * squares)
     assert known.torque(1.0) == pytest.approx(squares / (0.095 + 0.075 + 0.055 + 0.035 + 0.015))
+
+
+def test_joints_may_be_anywhere() -> None:
+    known = placed_at(0.1, (0.085, 0.005, 0.025, 0.045, 0.065), XYZ["x"])
+    assert known.stiffness(WANTED) == pytest.approx(0.117045)
+    assert known.torque(0.75) == pytest.approx(0.0521590909)
+    with pytest.raises(NoLevers, match=r"a joint at 0.1 m is not on the 0.1 m of actuator"):
+        placed_at(0.1, (0.05, 0.1), XYZ["x"])
 
 
 def test_many_joints_are_a_beam() -> None:
