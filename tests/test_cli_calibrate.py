@@ -18,6 +18,8 @@ from somo_cli.document.parse import parse
 from tests.conftest import Somo
 from tests.loading import DEFINITIONS
 
+pytestmark = pytest.mark.slow  # a process for each
+
 RING = "time_s,tip.y_m\n" + "".join(
     f"{t!r},{0.01 + 0.005 * math.exp(-0.5 * t) * math.cos(15.6 * t)!r}\n"
     for t in (0.01 * n for n in range(300))
@@ -191,7 +193,6 @@ def test_damping_from_a_ratio_in_the_pose_of_a_scene(somo: Somo, here: Path) -> 
     assert found[1]["spring_damping"][0] < found[0]["spring_damping"][0]
 
 
-@pytest.mark.slow
 def test_a_fit_finds_again_what_a_run_was_made_with(somo: Somo, here: Path) -> None:
     pytest.importorskip("pybullet")
     drive = "manipulators[0].actuation=[{actuator: 0, axis: 0, pressure: 6e4}]"
@@ -224,7 +225,6 @@ def test_a_fit_finds_again_what_a_run_was_made_with(somo: Somo, here: Path) -> N
     assert [line for line in (here / "finger.yaml").read_text().splitlines() if "#" in line] == kept
 
 
-@pytest.mark.slow
 def test_the_gain_of_a_torque_is_left_to_the_scene(somo: Somo, here: Path) -> None:
     pytest.importorskip("pybullet")
     assert somo("run", "scene.yaml", "--steps", "300", "-q").returncode == 0
@@ -399,7 +399,6 @@ def test_what_an_alias_shares_is_not_patched(somo: Somo, here: Path) -> None:
     assert (here / "finger.yaml").read_text("utf-8") == text
 
 
-@pytest.mark.slow
 def test_a_fit_can_be_interrupted(here: Path, environment: dict[str, str]) -> None:
     pytest.importorskip("pybullet")
     rows = "".join(f"{0.01 * n!r},{0.001 * n!r}\n" for n in range(1, 400))

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import linregress
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from somo_cli.simulation.springs import Array
 
@@ -54,19 +53,20 @@ def _line(pressures: Array, torques: Array, through_zero: bool) -> Line:
         residuals: Array = torques - slope * pressures
         freedom = len(pressures) - 1
         spread = math.sqrt(float(residuals @ residuals) / freedom) if freedom else math.nan
-        return Line(slope, _wide(freedom) * spread / math.sqrt(square), 0.0, 0.0, residuals)
-    found = linregress(pressures, torques)
-    residuals = torques - found.slope * pressures - found.intercept
-    wide = _wide(len(pressures) - 2)
-    return Line(
-        float(found.slope),
-        wide * float(found.stderr),
-        float(found.intercept),
-        wide * float(found.intercept_stderr),
-        residuals,
-    )
+        error = _known(_wide(freedom) * spread / math.sqrt(square))
+        return Line(slope, error, 0.0, 0.0, residuals)
+    (slope, offset), inverse = np.polyfit(pressures, torques, 1, cov="unscaled")
+    residuals = torques - slope * pressures - offset
+    freedom = len(pressures) - 2
+    spread = math.sqrt(float(residuals @ residuals) / freedom) if freedom else math.nan
+    errors = _wide(freedom) * spread * np.sqrt(np.diag(inverse))
+    return Line(float(slope), _known(errors[0]), float(offset), _known(errors[1]), residuals)
 
 
 def _wide(freedom: int) -> float:
     """Half width of a 95 % interval over the standard error; infinite without freedom."""
-    return float(student.ppf(0.975, freedom)) if freedom > 0 else math.inf
+    return float(stdtrit(freedom, 0.975)) if freedom > 0 else math.inf
+
+
+def _known(error: float) -> float:
+    return math.inf if math.isnan(error) else float(error)

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from somo_cli.simulation.springs import Array
 
@@ -251,5 +251,5 @@ def _doubt(t: Array, sigma: float, omega: float, linear: Array, left: Array) -> 
     sizes = np.linalg.norm(jacobian, axis=0)
     sizes[sizes == 0] = 1.0
     inverse = np.linalg.pinv(jacobian / sizes)[:2] / sizes[:2, None]
-    factor = float(student.ppf(0.5 + CONFIDENCE / 2, freedom))
+    factor = float(stdtrit(freedom, 0.5 + CONFIDENCE / 2))
     return np.asarray(factor * math.sqrt(float(left @ left) / freedom) * inverse)

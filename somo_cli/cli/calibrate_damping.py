@@ -15,10 +15,9 @@ from somo_cli.cli.calibrate import (
     PatchOption,
     WriteOption,
     calibrate,
-    keep,
-    require_targets,
     table_of,
 )
+from somo_cli.cli.calibrate_result import keep, require_targets
 from somo_cli.cli.door import EXIT_CODES, ending, require
 from somo_cli.problems import InvalidFile, Problem
 

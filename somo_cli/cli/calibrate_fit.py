@@ -7,15 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from somo_cli import terminal
-from somo_cli.cli.calibrate import (
-    JsonOption,
-    PatchOption,
-    WriteOption,
-    calibrate,
-    keep,
-    require_targets,
-    table_of,
-)
+from somo_cli.cli.calibrate import JsonOption, PatchOption, WriteOption, calibrate, table_of
+from somo_cli.cli.calibrate_result import keep, require_targets
 from somo_cli.cli.door import EXIT_CODES, ending, require
 from somo_cli.problems import InvalidFile, Problem
 

@@ -14,22 +14,19 @@ from somo_cli.cli.calibrate import (
     AxesOption,
     AxisOption,
     DefinitionArgument,
-    Given,
     JointsOption,
     JsonOption,
     LengthOption,
-    MadeOf,
     PatchOption,
     PlacementOption,
     PlacesOption,
     WriteOption,
     calibrate,
-    given,
-    keep,
-    of_path,
     rule_of,
     table_of,
 )
+from somo_cli.cli.calibrate_given import Given, MadeOf, given, of_path
+from somo_cli.cli.calibrate_result import keep
 from somo_cli.cli.door import EXIT_CODES, ending, require
 
 if TYPE_CHECKING:

@@ -1,0 +1,72 @@
+"""somo calibrate: where a result goes, a copy of the definition or the definition itself."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from somo_cli import files, terminal
+from somo_cli.cli.door import require
+
+if TYPE_CHECKING:
+    from somo_cli.document.parse import Document
+    from somo_cli.problems import Pointer
+
+
+def keep(
+    document: "Document | None",
+    values: "Mapping[Pointer, float]",
+    piece: str,
+    write: str | None,
+    patch: str | None,
+    beside: Mapping[str, str] | None = None,
+) -> None:
+    """Write values into a copy of the file that holds them, or into the file itself.
+
+    Without a document `piece` is written. `beside` says after which key a new one goes.
+    """
+    if write is not None:
+        written = piece
+        if document is not None:
+            (source, *others) = dict.fromkeys(document.span(place[:-1]).source for place in values)
+            require(not others, "--write", f"the values are in {source} and other files: --patch")
+            written = _patched(document, source, values, beside)
+        files.write_whole(write, written)
+        terminal.say(f"{write}: written")
+    if patch is not None and document is not None:
+        files.write_whole(patch, _patched(document, _source(document, patch), values, beside))
+        terminal.say(f"{patch}: patched")
+
+
+def require_targets(document: "Document", write: str | None, patch: str | None) -> None:
+    """Refuse, before anything is computed, to patch what was not read, or to write over it."""
+    if patch is not None:
+        _source(document, patch)
+    is_read = write is not None and any(_is_same(write, source) for source in document.texts)
+    require(not is_read, "--write", f"{write} is what is read: change it with --patch")
+
+
+def _source(document: "Document", path: str) -> str:
+    """Return the name by which the file to patch was read into a document."""
+    for source in document.texts:
+        if _is_same(path, source):
+            return source
+    names = ", ".join(document.texts)
+    raise typer.BadParameter(f"{path} is not what was read: {names}", param_hint="'--patch'")
+
+
+def _is_same(path: str, source: str) -> bool:
+    one, other = Path(path), Path(source)
+    return path == source or (one.exists() and other.exists() and one.samefile(other))
+
+
+def _patched(
+    document: "Document",
+    source: str,
+    values: "Mapping[Pointer, float]",
+    beside: Mapping[str, str] | None,
+) -> str:
+    from somo_cli.document.patch import patched
+
+    return patched(document, source, values, after=beside or {})
