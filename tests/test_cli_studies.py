@@ -15,6 +15,8 @@ import pytest
 from tests.conftest import Somo
 from tests.loading import DEFINITIONS
 
+pytestmark = pytest.mark.slow  # a process for each
+
 SCENE = DEFINITIONS / "scene.yaml"
 QUICK = ("--duration", "0.2", "--time-steps", "4e-3,2e-3", "--repeats", "1")
 PNG = b"\x89PNG\r\n\x1a\n"

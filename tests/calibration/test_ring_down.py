@@ -52,6 +52,7 @@ def test_an_exact_decay_is_recovered(ratio: float, periods: float, phase: float)
     assert found.frequency_error < 1e-9 * FREQUENCY
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("ratio", "periods", "points"),
     [(0.001, 50, 1000), (0.03, 1.5, 60), (0.1, 6, 200), (0.6, 3, 90)],

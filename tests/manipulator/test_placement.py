@@ -32,7 +32,8 @@ def test_without_a_shift_the_points_are_those_of_gauss_and_legendre(count: int) 
     points, weights = np.array(gauss(count)).T
     theirs = np.polynomial.legendre.leggauss(count)
     assert points == pytest.approx((theirs[0] + 1) / 2, abs=2e-15)
-    assert weights == pytest.approx(theirs[1] / 2, abs=2e-15)
+    # numpy's own lose digits with many points, some versions more than others
+    assert weights == pytest.approx(theirs[1] / 2, abs=2e-14)
 
 
 @pytest.mark.parametrize("shift", [-0.5, -0.2, 0.4, 0.9])
