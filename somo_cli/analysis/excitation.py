@@ -13,7 +13,7 @@ from somo_cli.manipulator.geometry import Vector
 from somo_cli.simulation.dynamics import ChainPose
 from somo_cli.simulation.loads import generalised
 from somo_cli.simulation.plan import Body
-from somo_cli.simulation.signal import Signal
+from somo_cli.simulation.signal import Input
 from somo_cli.simulation.springs import Array
 
 SAMPLES = 4000  # of a horizon
@@ -48,7 +48,7 @@ def vibration(
     start = _modal(body, pose, modes, springs + pose.gravity_force(gravity))
     rates = np.linalg.solve(modes.shapes, np.array(body.start.rates))
     driven = list(_driven(body, pose))
-    last = max((one.times[-1] for _, one in driven if one.period is None), default=0.0)
+    last = max((one.held_from for _, one in driven), default=0.0)
     end = horizon if last < horizon else last + horizon
     times = np.linspace(0.0, end, SAMPLES * min(math.ceil(end / horizon), LONGEST))
     pushes = np.zeros((len(start), len(times)), dtype=np.complex128)
@@ -106,7 +106,7 @@ def _modal(body: Body, pose: ChainPose, modes: Modes, force: Array) -> Array:
     return felt
 
 
-def _driven(body: Body, pose: ChainPose) -> Iterator[tuple[Array, Signal]]:
+def _driven(body: Body, pose: ChainPose) -> Iterator[tuple[Array, Input]]:
     """Yield every actuation and load of a body: the generalised force of factor one, the factor."""
     for drive in body.drives:
         force = np.zeros(6 + pose.chain.count)

@@ -137,9 +137,10 @@ def _joint_motion(scene: Scene, times: Array) -> Array:
     if scene.reference == "damped_oscillator":
         if most > _SAME * max(1e-12, joint.stiffness):
             raise NotTheCase("it is about a joint that gravity does not turn")
-        if any(len(entry.waypoints) > 1 for entry in one.actuation):
+        constants = [entry.course.constant for entry in one.actuation]
+        if None in constants:
             raise NotTheCase("it is about a constant torque")
-        torque = sum(entry.waypoints[0][1] for entry in one.actuation)
+        torque = sum(constant or 0.0 for constant in constants)
         if joint.stiffness == 0:
             raise NotTheCase("it is about a joint with a spring")
         rest = joint.neutral_position + torque / joint.stiffness
@@ -244,11 +245,11 @@ def _moment(one: Manipulator, beam: _Beam) -> float:
             raise NotTheCase("it is about one moment, on the last link")
         moment = load.waypoints[-1][1] * np.array(load.moment)
         return _component(moment, axis, "a moment about the axis of the joints")
-    torques = {entry.actuator: entry.waypoints[-1][1] for entry in one.actuation}
+    torques = {entry.actuator: entry.course.held for entry in one.actuation}
     moments = {torques.get(joint.actuator, 0.0) for joint in one.compiled.chain.joints}
-    if len(moments) != 1 or any(entry.repeat for entry in one.actuation):
+    if len(moments) != 1 or None in moments:
         raise NotTheCase("it is about one torque in all joints, held at the end")
-    return moments.pop()
+    return moments.pop() or 0.0
 
 
 def _the_load(one: Manipulator) -> Load:

@@ -6,7 +6,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from somo_cli.document.parse import Document
+from somo_cli.manipulator import read
 from somo_cli.problems import Pointer
+from somo_cli.simulation.actuation import actuators_of, is_pressure
 
 
 def pointers(document: Document, at: Pointer, actuator: int, axis: int) -> tuple[Pointer, ...]:
@@ -26,10 +28,12 @@ def pointers(document: Document, at: Pointer, actuator: int, axis: int) -> tuple
 def under_pressure(document: Document, manipulator: int) -> set[tuple[int, int]]:
     """Return actuator and axis of all that pressure drives in a scene without faults."""
     data: Any = document.at(("manipulators", manipulator))
+    definition = read.read(document, ("manipulators", manipulator, "definition"))
     return {
-        (int(entry["actuator"]), int(entry["axis"]))
+        (actuator, int(entry["axis"]))
         for entry in data.get("actuation", ())
-        if "pressure" in entry or entry.get("input") == "pressure"
+        if is_pressure(entry)
+        for actuator in actuators_of(entry, definition)
     }
 
 

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from somo_cli.manipulator.compile import Compiled
-from somo_cli.simulation.scene import Actuation, Manipulator, Scene
+from somo_cli.simulation.actuation import Actuation
+from somo_cli.simulation.scene import Manipulator, Scene
 from somo_cli.simulation.springs import Array
 
 What = Literal["stiffness", "damping", "gain"]
@@ -94,5 +95,4 @@ def _compiled(compiled: Compiled, factors: Mapping[tuple[What, int, int], float]
 
 def _actuation(entry: Actuation, factors: Mapping[tuple[What, int, int], float]) -> Actuation:
     gain = factors.get(("gain", entry.actuator, entry.axis), 1.0)
-    points = tuple((time, torque * gain) for time, torque in entry.waypoints)
-    return dataclasses.replace(entry, waypoints=points)
+    return dataclasses.replace(entry, course=entry.course.scaled(gain))

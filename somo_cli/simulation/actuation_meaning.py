@@ -1,4 +1,4 @@
-"""Faults of what drives an axis of an actuator: torque, pressure or way-points of either."""
+"""Faults of what drives an axis: torque, pressure, way-points, a wave or a mixed trajectory."""
 
 from __future__ import annotations
 
@@ -9,19 +9,38 @@ from somo_cli.document.parse import Document
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.compile import Compiled
 from somo_cli.problems import Pointer, Problem
-from somo_cli.simulation.scene import AmbiguousPressure, torque_per_pressure
+from somo_cli.simulation.actuation import (
+    AmbiguousPressure,
+    actuators_of,
+    is_pressure,
+    torque_per_pressure,
+)
 from somo_cli.simulation.waypoint_meaning import waypoint_faults
 
-_CONSTANTS = ("torque", "pressure")
+_WAYS = ("torque", "pressure", "wave", "trajectory", "waypoints")
+_COMPANIONS: Mapping[str, tuple[str, ...]] = {
+    "interpolation": ("waypoints",),
+    "repeat": ("waypoints",),
+    "mix": ("trajectory",),
+    "input": ("waypoints", "wave", "trajectory"),
+}
+"""Keys that have a meaning beside some of the ways only."""
 
 
 def faults(document: Document, at: Pointer, data: Mapping[str, Any]) -> Iterator[Problem]:
     """Yield the faults of the entry `data` at `at` that need no look at the manipulator."""
-    given = [key for key in (*_CONSTANTS, "waypoints") if key in data]
+    if ("actuator" in data) == ("actuators" in data):
+        has_both = "actuator" in data
+        yield Problem(
+            document.span((*at, "actuators") if has_both else at, key=True),
+            "both actuator and actuators are given" if has_both else "missing key 'actuator'",
+            "keep one of them" if has_both else "name one actuator, or several with actuators",
+        )
+    given = [key for key in _WAYS if key in data]
     if not given:
         yield Problem(
             document.span(at, key=True),
-            "missing torque, pressure or waypoints",
+            "missing torque, pressure, wave, trajectory or waypoints",
             "give a constant torque or pressure, or waypoints: [[time, torque], ...]",
         )
         return
@@ -29,55 +48,113 @@ def faults(document: Document, at: Pointer, data: Mapping[str, Any]) -> Iterator
         yield Problem(
             document.span((*at, given[-1]), key=True),
             f"both {given[0]} and {given[-1]} are given",
-            f"{given[0]} holds all the time, waypoints are [time, torque] pairs: keep one of them"
-            if given[-1] == "waypoints"
-            else "keep one of them",
+            "they exclude each other: keep one of them",
         )
         return
-    if given[0] != "waypoints":
-        for key in ("interpolation", "repeat", "input"):
-            if key in data:
-                yield Problem(
-                    document.span((*at, key), key=True),
-                    f"{key} has no meaning beside a constant {given[0]}",
-                    f"leave it out, or give waypoints in place of {given[0]}",
-                )
-        return
-    unit = " Pa" if data.get("input") == "pressure" else " N·m"
-    yield from waypoint_faults(document, at, data, data.get("input", "torque"), unit)
+    (way,) = given
+    constant = "a constant " if way in ("torque", "pressure") else ""
+    for key, ways in _COMPANIONS.items():
+        if key in data and way not in ways:
+            yield Problem(
+                document.span((*at, key), key=True),
+                f"{key} has no meaning beside {constant}{way}",
+                f"leave it out, or give {ways[0]} in place of {way}",
+            )
+    if way == "waypoints":
+        unit = " Pa" if data.get("input") == "pressure" else " N·m"
+        yield from waypoint_faults(document, at, data, data.get("input", "torque"), unit)
+    if way == "trajectory" and "mix" not in data:
+        yield Problem(
+            document.span((*at, "trajectory"), key=True),
+            "a trajectory needs a mix",
+            "give mix: one weight per channel, such as [0.5, -0.5]",
+        )
+    if way == "wave":
+        yield from _wave_faults(document, at, data)
+
+
+def _wave_faults(document: Document, at: Pointer, data: Mapping[str, Any]) -> Iterator[Problem]:
+    wave = data["wave"]
+    if "lag" in wave and "actuators" not in data:
+        yield Problem(
+            document.span((*at, "wave", "lag"), key=True),
+            "lag has no meaning with one actuator",
+            "name several with actuators, or use phase",
+        )
+    if "rise" in wave and wave.get("shape") != "trapezoid":
+        yield Problem(
+            document.span((*at, "wave", "rise"), key=True),
+            f"rise has no meaning for a {wave.get('shape', 'sine')}",
+            "leave it out, or use shape: trapezoid",
+        )
 
 
 def faults_of_axes(
-    document: Document, at: Pointer, entries: list[Any], compiled: Compiled
+    document: Document,
+    at: Pointer,
+    entries: list[Any],
+    compiled: Compiled,
+    channels: Mapping[str, int | None],
 ) -> Iterator[Problem]:
-    """Yield the faults of entries at `at` that name what the manipulator does not have."""
+    """Yield the faults of entries at `at` that name what there is not.
+
+    `channels` says how many each trajectory of the scene has, None where that is not known.
+    """
     axes = _axes(compiled.chain)
     seen: set[tuple[int, int]] = set()
     for number, entry in enumerate(entries):
-        actuator, axis = int(entry["actuator"]), int(entry["axis"])
-        place = document.span((*at, number, "actuator"))
-        if actuator not in axes:
-            hint = _known("actuator", axes)
-            yield Problem(place, f"there is no actuator {actuator}", hint)
-        elif axis not in axes[actuator]:
-            message = f"actuator {actuator} has no axis {axis}"
-            hint = _known("axis", axes[actuator])
-            yield Problem(document.span((*at, number, "axis")), message, hint)
-        elif (actuator, axis) in seen:
-            message = f"actuator {actuator}, axis {axis} is driven twice"
-            yield Problem(place, message, "keep one entry, or add the torques")
-        else:
-            yield from _pressure_faults(document, (*at, number), entry, compiled)
-        seen.add((actuator, axis))
+        place: Pointer = (*at, number)
+        yield from _mix_faults(document, place, entry, channels)
+        if ("actuator" in entry) == ("actuators" in entry):
+            continue
+        axis = int(entry["axis"])
+        for index, actuator in enumerate(actuators_of(entry, compiled.definition)):
+            where: Pointer = (*place, "actuator")
+            if "actuators" in entry:
+                is_list = isinstance(entry["actuators"], list)
+                where = (*place, "actuators", index) if is_list else (*place, "actuators")
+            if actuator not in axes:
+                hint = _known("actuator", axes)
+                yield Problem(document.span(where), f"there is no actuator {actuator}", hint)
+            elif axis not in axes[actuator]:
+                message = f"actuator {actuator} has no axis {axis}"
+                hint = _known("axis", axes[actuator])
+                yield Problem(document.span((*place, "axis")), message, hint)
+            elif (actuator, axis) in seen:
+                message = f"actuator {actuator}, axis {axis} is driven twice"
+                hint = "keep one entry, or add the torques"
+                yield Problem(document.span(where), message, hint)
+            elif is_pressure(entry):
+                yield from _pressure_faults(document, place, entry, compiled, actuator)
+            seen.add((actuator, axis))
+
+
+def _mix_faults(
+    document: Document, at: Pointer, data: Mapping[str, Any], channels: Mapping[str, int | None]
+) -> Iterator[Problem]:
+    name = data.get("trajectory")
+    if name is None:
+        return
+    if name not in channels:
+        known = ", ".join(f"'{one}'" for one in channels)
+        hint = f"known ones: {known}" if known else "the scene has no trajectories"
+        place = document.span((*at, "trajectory"))
+        yield Problem(place, f"there is no trajectory '{name}'", hint)
+        return
+    count = channels[name]
+    if count is not None and "mix" in data and len(data["mix"]) != count:
+        yield Problem(
+            document.span((*at, "mix")),
+            f"mix has {len(data['mix'])} weights for the {count} channels of '{name}'",
+            "give one weight per channel, 0 for those that do nothing here",
+        )
 
 
 def _pressure_faults(
-    document: Document, at: Pointer, data: Mapping[str, Any], compiled: Compiled
+    document: Document, at: Pointer, data: Mapping[str, Any], compiled: Compiled, actuator: int
 ) -> Iterator[Problem]:
     key = "pressure" if "pressure" in data else "input"
-    if key == "input" and data.get("input") != "pressure":
-        return
-    actuator, axis = int(data["actuator"]), int(data["axis"])
+    axis = int(data["axis"])
     joints = f"the joints of actuator {actuator}, axis {axis}"
     try:
         is_known = torque_per_pressure(compiled.definition, actuator, axis) is not None

@@ -15,7 +15,7 @@ from somo_cli.manipulator.compile import compile_sound
 from somo_cli.manipulator.dimensions import Scale
 from somo_cli.manipulator.meaning import IsSound
 from somo_cli.problems import Pointer, Problem, has_errors, in_reading_order
-from somo_cli.simulation import actuation_meaning, load_meaning
+from somo_cli.simulation import actuation_meaning, load_meaning, sorotraj_meaning
 from somo_cli.simulation.scene import PLACES_OF_FILES, name_of, per_joint
 
 
@@ -27,11 +27,13 @@ def faults(document: Document) -> tuple[Problem, ...]:
     problems = [fault.problem for fault in shape if fault.pointer[:3] not in scenes]
     problems.extend(scenes.values())
     data = document.data
+    problems.extend(_trajectory_faults(document, is_sound))
+    channels = _channels(document, is_sound)
     manipulators = data.get("manipulators") if isinstance(data, Mapping) else None
     if isinstance(manipulators, list):
         for index, item in enumerate(manipulators):
             if isinstance(item, Mapping):
-                problems.extend(_manipulator_faults(document, index, item, is_sound))
+                problems.extend(_manipulator_faults(document, index, item, is_sound, channels))
         problems.extend(_name_faults(document, manipulators, is_sound))
         problems.extend(_scale_faults(document, manipulators, is_sound))
     return in_reading_order(problems, document.texts)
@@ -110,8 +112,43 @@ def _shown(scale: Scale) -> str:
     return f"{scale.length:g}{of_mass}"
 
 
+def _trajectories(document: Document) -> list[Any]:
+    data = document.data
+    found = data.get("trajectories") if isinstance(data, Mapping) else None
+    return found if isinstance(found, list) else []
+
+
+def _trajectory_faults(document: Document, is_sound: IsSound) -> Iterator[Problem]:
+    seen: set[str] = set()
+    for index, item in enumerate(_trajectories(document)):
+        at: Pointer = ("trajectories", index)
+        if not isinstance(item, Mapping) or not is_sound(at):
+            continue
+        yield from sorotraj_meaning.faults(document, (*at, "sorotraj"), item["sorotraj"])
+        yield from sorotraj_meaning.faults_of_run(document, at, item)
+        if item["name"] in seen:
+            place = document.span((*at, "name"))
+            yield Problem(place, f"two trajectories are called '{item['name']}'")
+        seen.add(item["name"])
+
+
+def _channels(document: Document, is_sound: IsSound) -> Mapping[str, int | None]:
+    """Return how many channels every trajectory has, None for those at fault."""
+    return {
+        str(item["name"]): sorotraj_meaning.channels(item["sorotraj"])
+        if is_sound(("trajectories", index))
+        else None
+        for index, item in enumerate(_trajectories(document))
+        if isinstance(item, Mapping) and "name" in item
+    }
+
+
 def _manipulator_faults(
-    document: Document, index: int, data: Mapping[str, Any], is_sound: IsSound
+    document: Document,
+    index: int,
+    data: Mapping[str, Any],
+    is_sound: IsSound,
+    channels: Mapping[str, int | None],
 ) -> Iterator[Problem]:
     at: Pointer = ("manipulators", index)
     of_definition: list[Problem] = []
@@ -149,7 +186,9 @@ def _manipulator_faults(
         yield from _start_faults(document, at, data, compiled.chain, is_sound)
         if is_sound((*at, "actuation")):
             place = (*at, "actuation")
-            yield from actuation_meaning.faults_of_axes(document, place, entries, compiled)
+            yield from actuation_meaning.faults_of_axes(
+                document, place, entries, compiled, channels
+            )
         for number, entry in enumerate(loads):
             place = (*at, "loads", number)
             if is_sound(place):

@@ -19,8 +19,8 @@ from somo_cli.manipulator.dimensions import (
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation import signal
+from somo_cli.simulation.actuation import Actuation
 from somo_cli.simulation.scene import (
-    Actuation,
     Base,
     Frame,
     Integrator,
@@ -29,7 +29,7 @@ from somo_cli.simulation.scene import (
     Scene,
 )
 from somo_cli.simulation.scene import Load as LoadOfScene
-from somo_cli.simulation.signal import Signal
+from somo_cli.simulation.signal import Input, Signal
 
 TORQUE = Dimension(mass=1, length=2, time=-2)
 
@@ -41,7 +41,7 @@ class Drive:
     actuator: int
     axis: int
     joints: tuple[int, ...]
-    signal: Signal
+    signal: Input
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,8 +144,6 @@ def _body(manipulator: Manipulator, scale: Scale, can_touch: bool) -> Body:
 
 
 def _drive(actuation: Actuation, chain: Chain, scale: Scale) -> Drive:
-    factor = scale.factor(TORQUE)
-    waypoints = [(time, torque * factor) for time, torque in actuation.waypoints]
     joints = tuple(
         index
         for index, joint in enumerate(chain.joints)
@@ -155,7 +153,7 @@ def _drive(actuation: Actuation, chain: Chain, scale: Scale) -> Drive:
         actuation.actuator,
         actuation.axis,
         joints,
-        signal.through(waypoints, actuation.interpolation, actuation.repeat),
+        actuation.course.scaled(scale.factor(TORQUE)).signal(),
     )
 
 

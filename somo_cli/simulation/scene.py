@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -11,11 +12,13 @@ from somo_cli.manipulator import read as manipulator_read
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.compile import PLACES_OF_FILES as PLACES_IN_DEFINITION
 from somo_cli.manipulator.compile import Compiled, compile_sound
-from somo_cli.manipulator.definition import Definition
 from somo_cli.manipulator.dimensions import Force, Number, Position, Scale, Time, Torque
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.problems import Pointer
+from somo_cli.simulation import actuation
+from somo_cli.simulation.actuation import Actuation
 from somo_cli.simulation.signal import Interpolation
+from somo_cli.simulation.sorotraj import Trajectory, trajectory
 
 Integrator = Literal["implicit", "euler", "explicit"]
 Base = Literal["static", "free", "constrained"]
@@ -51,19 +54,9 @@ DEFAULT_COLUMNS: tuple[Quantity, ...] = ("joint_angles", "tip_position")
 PLACES_OF_FILES: tuple[tuple[str, ...], ...] = (
     ("manipulators", "*", "definition"),
     *(("manipulators", "*", "definition", *place) for place in PLACES_IN_DEFINITION),
+    ("trajectories", "*", "sorotraj"),
 )
 """Where a scene may name a file instead of holding a mapping."""
-
-
-@dataclass(frozen=True, slots=True)
-class Actuation:
-    """A torque [N·m] over time [s] on every joint of one actuator and axis."""
-
-    actuator: int
-    axis: int
-    waypoints: tuple[tuple[float, float], ...]
-    interpolation: Interpolation
-    repeat: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,6 +136,19 @@ def scene_of_one(definition: Document) -> Document:
     return Document(definition.source, data, definition.texts, spans)
 
 
+def trajectories_of(data: Any) -> Mapping[str, Trajectory]:
+    """Return the trajectories that a scene without faults names."""
+    return {
+        item["name"]: trajectory(
+            item["sorotraj"],
+            int(item.get("repetitions", 1)),
+            float(item.get("speed_factor", 1)),
+            item.get("invert", False),
+        )
+        for item in data.get("trajectories", ())
+    }
+
+
 def read(document: Document) -> Scene:
     """Return the scene of a document in which no error was found.
 
@@ -150,8 +156,10 @@ def read(document: Document) -> Scene:
     """
     data: Any = document.data
     record = data.get("record", {})
+    known = trajectories_of(data)
     manipulators = tuple(
-        _manipulator(document, index, item) for index, item in enumerate(data["manipulators"])
+        _manipulator(document, index, item, known)
+        for index, item in enumerate(data["manipulators"])
     )
     scale = manipulator_read.world_scale(document)
     if scale is None:
@@ -171,7 +179,9 @@ def read(document: Document) -> Scene:
     )
 
 
-def _manipulator(document: Document, index: int, data: Any) -> Manipulator:
+def _manipulator(
+    document: Document, index: int, data: Any, known: Mapping[str, Trajectory]
+) -> Manipulator:
     compiled = compile_sound(document, ("manipulators", index, "definition"), ())
     count = len(compiled.chain.joints)
     return Manipulator(
@@ -185,7 +195,9 @@ def _manipulator(document: Document, index: int, data: Any) -> Manipulator:
         linear_velocity=_vector(data.get("linear_velocity", (0, 0, 0))),
         angular_velocity=_vector(data.get("angular_velocity", (0, 0, 0))),
         actuation=tuple(
-            _actuation(item, compiled.definition) for item in data.get("actuation", ())
+            one
+            for item in data.get("actuation", ())
+            for one in actuation.read(item, compiled.definition, known)
         ),
         loads=tuple(_load(item, compiled.chain) for item in data.get("loads", ())),
     )
@@ -199,39 +211,6 @@ def name_of(data: Any) -> str:
 def per_joint(value: Any, count: int) -> tuple[float, ...]:
     """Return one number per joint from one number for all, or from a list of them."""
     return tuple(map(float, value)) if isinstance(value, list) else (float(value),) * count
-
-
-class AmbiguousPressure(ValueError):
-    """The joints of one axis turn pressure into torque each in its own way."""
-
-
-def torque_per_pressure(definition: Definition, actuator: int, axis: int) -> float | None:
-    """Return the torque on every joint of an axis per pressure [N·m/Pa], None if not said.
-
-    Raises AmbiguousPressure.
-    """
-    one = definition.actuators[actuator]
-    pairs = zip(one.channels, one.joints, strict=True)
-    found = {joint.torque_per_pressure for channel, joint in pairs if channel == axis}
-    if len(found) > 1:
-        raise AmbiguousPressure
-    return found.pop()
-
-
-def _actuation(data: Any, definition: Definition) -> Actuation:
-    actuator, axis = int(data["actuator"]), int(data["axis"])
-    factor = 1.0
-    if "pressure" in data or data.get("input") == "pressure":
-        factor = torque_per_pressure(definition, actuator, axis) or 0.0
-    constant = data.get("torque", data.get("pressure"))
-    points = data["waypoints"] if constant is None else ((0, constant),)
-    return Actuation(
-        actuator=actuator,
-        axis=axis,
-        waypoints=tuple((float(time), float(value) * factor) for time, value in points),
-        interpolation=data.get("interpolation", "linear"),
-        repeat=bool(data.get("repeat", False)),
-    )
 
 
 def _load(data: Any, chain: Chain) -> Load:

@@ -1,4 +1,4 @@
-"""A torque over time: a piecewise cubic polynomial, held before its start and after its end."""
+"""A value over time: piecewise cubic and held at both ends, or a wave that never ends."""
 
 from __future__ import annotations
 
@@ -6,9 +6,24 @@ import math
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, Protocol
 
 Interpolation = Literal["step", "linear", "cubic"]
+WaveShape = Literal["sine", "triangle", "square", "trapezoid"]
+
+
+class Input(Protocol):
+    """Anything with a value at every time."""
+
+    def at(self, time: float) -> float:
+        """Return the value at a time [s]."""
+
+    def steady_until(self, time: float) -> float:
+        """Return the time [s] up to which the value stays what it is at `time`."""
+
+    @property
+    def held_from(self) -> float:
+        """The time [s] from which on the value is held; 0 if it goes on for ever."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +49,11 @@ class Signal:
         s = time - self.times[index]
         return c0 + s * (c1 + s * (c2 + s * c3))
 
+    @property
+    def held_from(self) -> float:
+        """The time [s] from which on the value is held; 0 if it goes on for ever."""
+        return 0.0 if self.period is not None else self.times[-1]
+
     def steady_until(self, time: float) -> float:
         """Return the time [s] up to which the value stays what it is at `time`.
 
@@ -49,6 +69,54 @@ class Signal:
         if self.pieces[index][1:] != (0.0, 0.0, 0.0):
             return time
         return self.times[index + 1] if index + 1 < len(self.times) else math.inf
+
+
+@dataclass(frozen=True, slots=True)
+class Wave:
+    """offset + amplitude * shape(2 π frequency t + phase), from the start on and for ever.
+
+    The shapes start at zero and rise, like a sine, to 1; a square is 1 in its first half. A
+    trapezoid takes `rise`, at most half a period, from -1 to 1 and as much back; with a half it is
+    a triangle. Frequency in Hz, phase in rad.
+    """
+
+    shape: WaveShape
+    amplitude: float
+    frequency: float
+    phase: float = 0.0
+    offset: float = 0.0
+    rise: float = 0.25
+
+    def at(self, time: float) -> float:
+        """Return the value at a time [s]."""
+        turns = (self.frequency * time + self.phase / (2 * math.pi)) % 1.0
+        return self.offset + self.amplitude * self._shape(turns)
+
+    def steady_until(self, time: float) -> float:
+        """Return the time [s] up to which the value stays what it is at `time`."""
+        if self.amplitude == 0 or self.frequency == 0:
+            return math.inf
+        if self.shape != "square":
+            return time
+        half_turns = 2 * (self.frequency * time + self.phase / (2 * math.pi))
+        # a little early rather than late: the next time of asking is then on the other side
+        until = time + (math.floor(half_turns) + 1 - half_turns) / (2 * self.frequency)
+        return until - 1e-12 * abs(until)
+
+    @property
+    def held_from(self) -> float:
+        """The time [s] from which on the value is held: 0, since it goes on for ever."""
+        return 0.0
+
+    def _shape(self, turns: float) -> float:
+        if self.shape == "sine":
+            return math.sin(2 * math.pi * turns)
+        if self.shape == "square":
+            return 1.0 if turns < 0.5 else -1.0
+        triangle = 4 * turns if turns < 0.25 else 2 - 4 * turns if turns < 0.75 else 4 * turns - 4
+        if self.shape == "triangle":
+            return triangle
+        return max(-1.0, min(1.0, triangle / (2 * self.rise)))
 
 
 def through(

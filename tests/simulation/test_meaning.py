@@ -66,7 +66,9 @@ def test_a_base_that_is_held_has_no_velocity() -> None:
 
 
 def test_a_drive_has_torque_or_way_points() -> None:
-    assert [message for _, message in told_of_drive()] == ["missing torque, pressure or waypoints"]
+    assert [message for _, message in told_of_drive()] == [
+        "missing torque, pressure, wave, trajectory or waypoints"
+    ]
     both = told_of_drive(torque=1, waypoints=[[0, 1]])
     assert both == [('"waypoints"', "both torque and waypoints are given")]
     for key, value in (("interpolation", "cubic"), ("repeat", True)):
@@ -252,7 +254,7 @@ def test_all_faults_come_at_once_and_in_reading_order() -> None:
     assert [message for _, message in found] == [
         "linear_velocity is for a base that can move, this one is static",
         "initial_angles has 1 values for 3 joints",
-        "missing torque, pressure or waypoints",
+        "missing torque, pressure, wave, trajectory or waypoints",
         "expected a number, found the string 'much'",
         "0 must be greater than 0",
         "unknown key 'colour'",

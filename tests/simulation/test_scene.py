@@ -11,7 +11,9 @@ import pytest
 from somo_cli.document.parse import parse
 from somo_cli.manipulator.dimensions import Scale
 from somo_cli.simulation import scene
-from somo_cli.simulation.scene import Actuation, Load, Scene
+from somo_cli.simulation.actuation import Actuation, Oscillation, Waypoints
+from somo_cli.simulation.scene import Load, Scene
+from somo_cli.simulation.signal import Wave
 from tests.loading import DEFINITIONS, scene_from_text
 from tests.manipulator.bodies import X, Y, actuator, manipulator
 
@@ -102,8 +104,8 @@ def test_everything_said() -> None:
     assert one.linear_velocity == (7.0, 8.0, 9.0)
     assert one.angular_velocity == (-7.0, -8.0, -9.0)
     assert one.actuation == (
-        Actuation(0, 1, ((0.0, 2.0),), "linear", False),
-        Actuation(0, 0, ((0.0, 1.0), (2.0, 1.0)), "cubic", True),
+        Actuation(0, 1, Waypoints(((0.0, 2.0),))),
+        Actuation(0, 0, Waypoints(((0.0, 1.0), (2.0, 1.0)), "cubic", True)),
     )
 
 
@@ -143,16 +145,55 @@ def test_a_pressure_becomes_the_torque_that_the_joints_make_of_it() -> None:
         {"actuator": 0, "axis": 0, "waypoints": points, "input": "pressure"},
         {"actuator": 0, "axis": 1, "waypoints": points, "input": "torque"},
     ]
-    found = [
-        with_one(definition=body, actuation=[entry]).manipulators[0].actuation[0].waypoints
-        for entry in data
-    ]
+    found = []
+    for entry in data:
+        course = with_one(definition=body, actuation=[entry]).manipulators[0].actuation[0].course
+        assert isinstance(course, Waypoints)
+        found.append(course.points)
     factor = -5e-7
     assert found == [
         ((0.0, factor * 1e5),),
         ((0.0, 0.0), (1.0, factor * 2e5)),
         ((0.0, 0.0), (1.0, 2e5)),
     ]
+
+
+def test_a_wave_travels_along_several_actuators() -> None:
+    body = manipulator(*(actuator(2, X, Y) for _ in range(3)))
+    wave = {"amplitude": 2, "frequency": 0.5, "phase": 1, "lag": 0.25, "offset": 3}
+    entry = {"actuators": "all", "axis": 1, "wave": wave}
+    found = with_one(definition=body, actuation=[entry]).manipulators[0].actuation
+    assert found == tuple(
+        Actuation(number, 1, Oscillation(Wave("sine", 2.0, 0.5, 1 - 0.25 * number, 3.0)))
+        for number in range(3)
+    )
+    back = entry | {"actuators": [2, 0]}
+    found = with_one(definition=body, actuation=[back]).manipulators[0].actuation
+    assert [one.actuator for one in found] == [2, 0]
+
+
+def test_channels_are_mixed_by_a_matrix() -> None:
+    gait = {
+        "settings": {"traj_type": "direct"},
+        "config": {"setpoints": {"main": [[0, 1, 2], [1, 3, 5]], "suffix": [[2, 0, 0]]}},
+    }
+    body = manipulator(actuator(2, X | {"torque_per_pressure": 0.5}, Y))
+    data = {
+        "trajectories": [{"name": "gait", "sorotraj": gait, "repetitions": 2, "invert": [1]}],
+        "manipulators": [
+            {
+                "definition": body,
+                "actuation": [
+                    {"actuator": 0, "axis": 0, "trajectory": "gait", "mix": [1, 1],
+                     "input": "pressure"},
+                    {"actuator": 0, "axis": 1, "trajectory": "gait", "mix": [2, -10]},
+                ],
+            }
+        ],
+    }  # fmt: skip
+    first, second = read(data).manipulators[0].actuation
+    assert first.course == Waypoints(((0.0, -0.5), (1.0, -1.0), (2.0, -1.0), (4.0, 0.0)))
+    assert second.course == Waypoints(((0.0, 22.0), (1.0, 56.0), (2.0, 56.0), (4.0, 0.0)))
 
 
 def test_whole_numbers_become_floats() -> None:

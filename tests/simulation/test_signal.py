@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from somo_cli.simulation.signal import Interpolation, through
+from somo_cli.simulation.signal import Interpolation, Wave, WaveShape, through
 
 POINTS = [(0.5, 1.0), (1.0, -2.0), (2.5, 3.0), (3.0, 3.0), (4.0, 0.25)]
 ROUND = [(0.0, 1.0), (0.3, -2.0), (1.0, 4.0), (1.5, 1.0)]
@@ -116,3 +116,45 @@ def test_steady_until_between_points() -> None:
 def test_steady_until_of_a_repeated_signal() -> None:
     assert through(ROUND, "step", repeat=True).steady_until(0.1) == 0.1
     assert through([(0.0, 3.0), (1.0, 3.0)], "linear", repeat=True).steady_until(5.0) == math.inf
+
+
+@pytest.mark.parametrize(
+    ("shape", "values"),
+    # at eighths of a period
+    [
+        ("sine", [0, 2**-0.5, 1, 2**-0.5, 0, -(2**-0.5), -1, -(2**-0.5)]),
+        ("triangle", [0, 0.5, 1, 0.5, 0, -0.5, -1, -0.5]),
+        ("square", [1, 1, 1, 1, -1, -1, -1, -1]),
+        ("trapezoid", [0, 1, 1, 1, 0, -1, -1, -1]),
+    ],
+)
+def test_the_shapes_of_waves(shape: WaveShape, values: list[float]) -> None:
+    wave = Wave(shape, amplitude=3, frequency=0.25, offset=5)
+    times = [0.5 * number for number in range(16)]
+    assert [wave.at(time) for time in times] == pytest.approx([5 + 3 * v for v in 2 * values])
+    # a quarter of a period on
+    later = Wave(shape, amplitude=3, frequency=0.25, phase=math.pi / 2, offset=5)
+    assert [later.at(time) for time in times[:6]] == pytest.approx(
+        [5 + 3 * v for v in (2 * values)[2:8]]
+    )
+
+
+def test_a_trapezoid_takes_its_time() -> None:
+    slow = Wave("trapezoid", amplitude=1, frequency=1, rise=0.5)
+    triangle = Wave("triangle", amplitude=1, frequency=1)
+    times = [0.01 * number for number in range(100)]
+    assert [slow.at(time) for time in times] == pytest.approx([triangle.at(t) for t in times])
+    steep = Wave("trapezoid", amplitude=1, frequency=1, rise=0.1)
+    assert [steep.at(time) for time in (0.025, 0.05, 0.45, 0.475)] == pytest.approx(
+        [0.5, 1, 1, 0.5]
+    )
+
+
+def test_a_square_wave_is_steady_in_between() -> None:
+    wave = Wave("square", amplitude=1, frequency=2)
+    assert wave.steady_until(0.1) == pytest.approx(0.25)
+    assert wave.steady_until(0.3) == pytest.approx(0.5)
+    assert wave.at(wave.steady_until(0.1)) == wave.at(0.1)
+    for shape in ("sine", "triangle", "trapezoid"):
+        assert Wave(shape, 1, 2).steady_until(0.1) == 0.1
+        assert Wave(shape, 0, 2).steady_until(0.1) == math.inf

@@ -1,0 +1,156 @@
+"""What drives an axis over time, as a person describes it: read from an entry of a scene."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+from somo_cli.manipulator.definition import Definition
+from somo_cli.simulation import signal
+from somo_cli.simulation.signal import Input, Interpolation, Wave
+from somo_cli.simulation.sorotraj import Trajectory
+
+ALL = "all"
+"""In place of a list of actuators: every one of them, base to tip."""
+
+
+@dataclass(frozen=True, slots=True)
+class Waypoints:
+    """Values at times [s] with increasing times, and what goes on between and after them."""
+
+    points: tuple[tuple[float, float], ...]
+    interpolation: Interpolation = "linear"
+    repeat: bool = False
+
+    def scaled(self, factor: float) -> Waypoints:
+        """Return the same with every value times a factor."""
+        points = tuple((time, value * factor) for time, value in self.points)
+        return dataclasses.replace(self, points=points)
+
+    @property
+    def constant(self) -> float | None:
+        """The value if it never changes, else None."""
+        return self.points[0][1] if len(self.points) == 1 else None
+
+    @property
+    def held(self) -> float | None:
+        """The value that is held after the last time, None if it starts anew."""
+        return None if self.repeat else self.points[-1][1]
+
+    def signal(self) -> Input:
+        """Return the value over time."""
+        return signal.through(self.points, self.interpolation, self.repeat)
+
+
+@dataclass(frozen=True, slots=True)
+class Oscillation:
+    """A wave as a course of its own, beside way-points."""
+
+    wave: Wave
+
+    def scaled(self, factor: float) -> Oscillation:
+        """Return the same with amplitude and offset times a factor."""
+        wave = self.wave
+        return Oscillation(
+            dataclasses.replace(
+                wave, amplitude=wave.amplitude * factor, offset=wave.offset * factor
+            )
+        )
+
+    @property
+    def constant(self) -> float | None:
+        """The value if it never changes, else None."""
+        return self.wave.offset if self.wave.amplitude == 0 else None
+
+    @property
+    def held(self) -> float | None:
+        """The value that is held in the end, None if there is none."""
+        return self.constant
+
+    def signal(self) -> Input:
+        """Return the value over time."""
+        return self.wave
+
+
+Course: TypeAlias = Waypoints | Oscillation
+
+
+@dataclass(frozen=True, slots=True)
+class Actuation:
+    """A torque [N·m] over time on every joint of one actuator and axis."""
+
+    actuator: int
+    axis: int
+    course: Course
+
+
+class AmbiguousPressure(ValueError):
+    """The joints of one axis turn pressure into torque each in its own way."""
+
+
+def torque_per_pressure(definition: Definition, actuator: int, axis: int) -> float | None:
+    """Return the torque on every joint of an axis per pressure [N·m/Pa], None if not said.
+
+    Raises AmbiguousPressure.
+    """
+    one = definition.actuators[actuator]
+    pairs = zip(one.channels, one.joints, strict=True)
+    found = {joint.torque_per_pressure for channel, joint in pairs if channel == axis}
+    if len(found) > 1:
+        raise AmbiguousPressure
+    return found.pop()
+
+
+def actuators_of(data: Mapping[str, Any], definition: Definition) -> tuple[int, ...]:
+    """Return the actuators that an entry drives, in the order in which a wave reaches them."""
+    if "actuators" not in data:
+        return (int(data["actuator"]),)
+    if data["actuators"] == ALL:
+        return tuple(range(len(definition.actuators)))
+    return tuple(int(number) for number in data["actuators"])
+
+
+def is_pressure(data: Mapping[str, Any]) -> bool:
+    """Whether an entry is about pressure [Pa], not torque [N·m]."""
+    return "pressure" in data or data.get("input") == "pressure"
+
+
+def read(
+    data: Mapping[str, Any], definition: Definition, trajectories: Mapping[str, Trajectory]
+) -> Iterator[Actuation]:
+    """Yield the torques of a sound entry, one for each actuator that it names."""
+    axis = int(data["axis"])
+    for place, actuator in enumerate(actuators_of(data, definition)):
+        course = _course(data, place, trajectories)
+        if is_pressure(data):
+            course = course.scaled(torque_per_pressure(definition, actuator, axis) or 0.0)
+        yield Actuation(actuator, axis, course)
+
+
+def _course(data: Mapping[str, Any], place: int, trajectories: Mapping[str, Trajectory]) -> Course:
+    constant = data.get("torque", data.get("pressure"))
+    if constant is not None:
+        return Waypoints(((0.0, float(constant)),))
+    if "wave" in data:
+        return Oscillation(_wave(data["wave"], place))
+    if "trajectory" in data:
+        mixed = trajectories[data["trajectory"]].mixed([float(weight) for weight in data["mix"]])
+        return Waypoints(mixed)
+    return Waypoints(
+        points=tuple((float(time), float(value)) for time, value in data["waypoints"]),
+        interpolation=data.get("interpolation", "linear"),
+        repeat=bool(data.get("repeat", False)),
+    )
+
+
+def _wave(data: Mapping[str, Any], place: int) -> Wave:
+    return Wave(
+        shape=data.get("shape", "sine"),
+        amplitude=float(data["amplitude"]),
+        frequency=float(data["frequency"]),
+        phase=float(data.get("phase", 0)) - place * float(data.get("lag", 0)),
+        offset=float(data.get("offset", 0)),
+        rise=float(data.get("rise", 0.25)),
+    )

@@ -1,0 +1,111 @@
+"""Faults of trajectories in the format of sorotraj, each with its place."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from somo_cli.document.parse import Document
+from somo_cli.problems import Pointer, Problem
+from somo_cli.simulation.sorotraj import SAMPLED
+
+_OF_WAVEFORM = ("waveform_type", "waveform_freq", "waveform_max", "waveform_min")
+_LISTS = ("waveform_max", "waveform_min", "channels")
+
+
+def faults(document: Document, at: Pointer, data: Mapping[str, Any]) -> Iterator[Problem]:
+    """Yield the faults of a file at `at` that has the shape its schema asks for."""
+    config = data["config"]
+    kind = data["settings"]["traj_type"]
+    here: Pointer = (*at, "config")
+    setpoints = config.get("setpoints") or {}
+    count = channels(data)
+    for part in ("prefix", "main", "suffix"):
+        yield from _knot_faults(
+            document, (*here, "setpoints", part), setpoints.get(part) or [], count
+        )
+    needs_samples = False
+    if kind == "waveform":
+        yield from _waveform_faults(document, here, config)
+        needs_samples = config.get("waveform_type") in SAMPLED
+        if setpoints.get("main"):
+            place = document.span((*here, "setpoints", "main"), key=True)
+            message = "a waveform has no knots of its main part"
+            yield Problem(place, message, "leave them out, or use traj_type: direct")
+    else:
+        main = setpoints.get("main") or []
+        if len(main) < 2:
+            place = document.span((*here, "setpoints", "main"), key=bool(not main))
+            yield Problem(place, f"the main part has {len(main)} knots", "give two or more")
+        elif kind == "interp" and config.get("interp_type") == "cubic":
+            needs_samples = True
+            if main[0][1:] != main[-1][1:]:
+                place = document.span((*here, "setpoints", "main", len(main) - 1))
+                message = "a cubic main part must end with the values it starts with"
+                yield Problem(place, message, f"end with {main[0][1:]}, or use linear")
+    if needs_samples and config.get("subsample_num") is None:
+        yield Problem(
+            document.span(here, key=True),
+            "missing key 'subsample_num'",
+            "say how many samples the main part has",
+        )
+
+
+def faults_of_run(document: Document, at: Pointer, data: Mapping[str, Any]) -> Iterator[Problem]:
+    """Yield the faults of how the sound trajectory of an entry at `at` is run."""
+    count = channels(data["sorotraj"])
+    invert = data.get("invert")
+    for index, channel in enumerate(invert if isinstance(invert, list) else ()):
+        if channel >= count:
+            yield Problem(
+                document.span((*at, "invert", index)),
+                f"there is no channel {channel}",
+                f"the trajectory has {count}, the first one is 0",
+            )
+
+
+def channels(data: Mapping[str, Any]) -> int:
+    """Return how many channels a file has, by the first place that tells."""
+    config = data["config"]
+    if data["settings"]["traj_type"] == "waveform":
+        return len(config.get("channels") or ())
+    rows = (config.get("setpoints") or {}).get("main") or [[0]]
+    return len(rows[0]) - 1
+
+
+def _knot_faults(
+    document: Document, at: Pointer, rows: list[list[float]], count: int
+) -> Iterator[Problem]:
+    for index, row in enumerate(rows):
+        if len(row) - 1 != count:
+            yield Problem(
+                document.span((*at, index)),
+                f"{len(row) - 1} channels in this knot, {count} in the main part",
+                "a knot is [time, channel, channel, ...]",
+            )
+        if index and row[0] <= rows[index - 1][0]:
+            yield Problem(
+                document.span((*at, index)),
+                f"time {row[0]} s does not come after {rows[index - 1][0]} s",
+                "every knot has a later time than the one before",
+            )
+    if rows and rows[0][0] < 0:
+        place = document.span((*at, 0))
+        yield Problem(place, f"time {rows[0][0]} s is before the start of the part")
+
+
+def _waveform_faults(
+    document: Document, at: Pointer, config: Mapping[str, Any]
+) -> Iterator[Problem]:
+    missing = [key for key in (*_OF_WAVEFORM, "channels", "num_cycles") if config.get(key) is None]
+    for key in missing:
+        yield Problem(document.span(at, key=True), f"missing key '{key}'", "a waveform needs it")
+    lengths = {key: len(config[key]) for key in _LISTS if key not in missing}
+    if len(set(lengths.values())) > 1:
+        said = ", ".join(f"{key} {length}" for key, length in lengths.items())
+        key = next(key for key in lengths if lengths[key] != lengths[_LISTS[-1]])
+        yield Problem(
+            document.span((*at, key)),
+            f"the lists differ in the number of channels: {said}",
+            "give one value per channel in each",
+        )
