@@ -12,7 +12,7 @@ from somo_cli.document.include import include
 from somo_cli.document.parse import Document, parse
 from somo_cli.manipulator import compile as compiler
 from somo_cli.problems import InvalidFile, Problem, has_errors
-from somo_cli.simulation import meaning, scene
+from somo_cli.simulation import meaning, scene, sorotraj_meaning
 from somo_cli.simulation.scene import Scene
 
 Auto: TypeAlias = Literal["auto"]
@@ -35,12 +35,24 @@ def load_text(text: str, source: str, sets: Sequence[str] = ()) -> Document:
 
 
 def judged(document: Document) -> tuple[Problem, ...]:
-    """Return every error and warning about a definition or scene."""
+    """Return every error and warning about a definition, a scene or a trajectory."""
+    if sorotraj_meaning.is_trajectory(document):
+        return sorotraj_meaning.faults_of_file(document)
     return meaning.faults(document) if scene.is_scene(document) else compiler.faults(document)
 
 
+def refuse_trajectory(document: Document) -> None:
+    """Raise InvalidFile for a trajectory where a definition or a scene is wanted."""
+    if sorotraj_meaning.is_trajectory(document):
+        place = document.span(("settings",), key=True)
+        message = "this is a trajectory, not a manipulator definition or a scene"
+        hint = "a scene names it under trajectories"
+        raise InvalidFile([Problem(place, message, hint)], document.texts)
+
+
 def refuse_scene(document: Document) -> None:
-    """Raise InvalidFile for a scene where a definition is wanted."""
+    """Raise InvalidFile for a scene, or a trajectory, where a definition is wanted."""
+    refuse_trajectory(document)
     if scene.is_scene(document):
         place = document.span(("manipulators",), key=True)
         hint = "somo run takes scenes; build the definitions that this one names"
@@ -61,6 +73,7 @@ def scene_of(
     A definition becomes the scene of that one manipulator. `every` and `time_step` [s] take the
     place of what the scene says. A time step that is left to us is the recommended one.
     """
+    refuse_trajectory(document)
     problems = judged(document)
     if not scene.is_scene(document) and not has_errors(problems):
         document = as_scene(document)

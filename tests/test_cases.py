@@ -74,6 +74,8 @@ def test_an_invalid_document(
     if rewrite_golden:
         (CASES / "invalid" / name).with_suffix(".txt").write_bytes(checked.err.encode())
     assert checked == (1, "", expected("invalid", name))
+    if name.startswith("trajectory"):
+        return  # it neither runs nor builds, see below
     assert call("run", name, "--steps", "0") == (3, "", checked.err)
     if not name.startswith("scene_"):
         assert call("build", name) == (3, "", checked.err)
@@ -86,8 +88,21 @@ def test_a_valid_document(
 ) -> None:
     monkeypatch.chdir(copy / "valid")
     assert call("check", name) == (0, "", "")
-    if not name.startswith("scene_"):
+    if not name.startswith(("scene_", "trajectory")):
         assert call("build", name, "--quiet", "--output", "../built.urdf") == (0, "", "")
+
+
+def test_a_trajectory_neither_runs_nor_builds(
+    call: Call, copy: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(copy / "valid")
+    for command in (("build",), ("run", "--steps", "0"), ("calibrate", "stiffness")):
+        ended = call(*command, "trajectory.yaml")
+        assert (ended.code, ended.out) == (3, "")
+        assert ended.err.splitlines()[0] == (
+            "trajectory.yaml:4:1: error: this is a trajectory, not a manipulator definition or a "
+            "scene"
+        )
 
 
 @pytest.mark.parametrize("name", documents("warnings"))

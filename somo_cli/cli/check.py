@@ -25,7 +25,9 @@ if TYPE_CHECKING:
 @app.command(epilog=EXIT_CODES)
 @ending
 def check(
-    paths: Annotated[list[str], typer.Argument(metavar="FILE...", help="Definitions, scenes.")],
+    paths: Annotated[
+        list[str], typer.Argument(metavar="FILE...", help="Definitions, scenes, trajectories.")
+    ],
     numerics: Annotated[
         bool,
         typer.Option(

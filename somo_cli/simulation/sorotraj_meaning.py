@@ -3,14 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, cast
 
 from somo_cli.document.parse import Document
-from somo_cli.problems import Pointer, Problem
+from somo_cli.document.validate import faults_of_shape
+from somo_cli.problems import Pointer, Problem, in_reading_order
 from somo_cli.simulation.sorotraj import SAMPLED
 
 _OF_WAVEFORM = ("waveform_type", "waveform_freq", "waveform_max", "waveform_min")
 _LISTS = ("waveform_max", "waveform_min", "channels")
+
+
+def is_trajectory(document: Document) -> bool:
+    """Tell a trajectory from a definition and a scene, by its keys."""
+    data = document.data
+    return isinstance(data, dict) and {"settings", "config"} <= data.keys()
+
+
+def faults_of_file(document: Document) -> tuple[Problem, ...]:
+    """Return every error about a trajectory by itself."""
+    problems = [fault.problem for fault in faults_of_shape(document, "sorotraj")]
+    if not problems:
+        problems.extend(faults(document, (), cast(Mapping[str, Any], document.data)))
+    return in_reading_order(problems, document.texts)
 
 
 def faults(document: Document, at: Pointer, data: Mapping[str, Any]) -> Iterator[Problem]:
