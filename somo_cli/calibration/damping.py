@@ -3,7 +3,8 @@
 With d = c k in the joints of an axis, a mode φ of M q'' + K q = 0 with frequency ω, φ' M φ = 1, has
 the damping ratio φ' D φ / (2 ω) = c sum(k φ²) / (2 ω), the sum over the joints of the axis. If
 nothing else bends in it, c = 2 ζ / ω (Rayleigh damping without its mass part: Clough and Penzien,
-Dynamics of Structures (1993), sec. 12-5).
+Dynamics of Structures (1993), sec. 12-5). The modes of several actuators in series are no single
+one's: there the mode is that of the axis with all other joints held.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import eigh
 
 from somo_cli.analysis.modes import NotAnInertia, modes_at
 from somo_cli.simulation.dynamics import ChainDynamics
@@ -28,13 +30,15 @@ class Mode:
     """The lowest mode of an axis at the start of a scene, gravity included.
 
     `frequency` [rad/s] and `ratio` are those of the model as it is, `share` is how much of the
-    elastic energy is in the axis. `seconds` is damping over stiffness in its joints [s], the same
-    in all of them, and `per_ratio` what it would be for a damping ratio of 1 [s].
+    elastic energy is in the axis; `is_alone` where all other joints are held for that.
+    `seconds` is damping over stiffness in its joints [s], the same in all of them, and `per_ratio`
+    what it would be for a damping ratio of 1 [s].
     """
 
     frequency: float
     ratio: float
     share: float
+    is_alone: bool
     seconds: float
     per_ratio: float
 
@@ -42,30 +46,46 @@ class Mode:
 def lowest_mode(plan: Plan, body: int, actuator: int, axis: int) -> Mode:
     """Return the lowest mode most of whose elastic energy is in an axis of a body of a plan.
 
-    Raises NoMode.
+    Of several actuators it is that of the axis with all other joints held. Raises NoMode.
     """
     one = plan.bodies[body]
     dynamics = ChainDynamics(one.chain)
     pose = dynamics.at(one.start.angles, one.start.pose)
+    is_free = one.base == "free"
+    inertia, gravity = pose.joint_inertia(is_free), pose.gravity_stiffness(plan.gravity)
     try:
-        modes = modes_at(pose, one.base == "free", pose.gravity_stiffness(plan.gravity))
+        modes = modes_at(pose, is_free, gravity)
     except NotAnInertia as error:
         raise NoMode(str(error)) from error
     drives = np.array([(j.actuator, j.channel) == (actuator, axis) for j in one.chain.joints])
     if not (dynamics.stiffness[drives] > 0).all():
         raise NoMode(f"joints of axis {axis} of actuator {actuator} have no spring_stiffness")
+    seconds = float((dynamics.damping[drives] / dynamics.stiffness[drives]).mean())
+    if len({joint.actuator for joint in one.chain.joints}) > 1:
+        return _alone(dynamics, drives, inertia, gravity, seconds)
     energies = dynamics.stiffness[:, np.newaxis] * modes.shapes**2  # (joint, mode)
     shares: Array = energies[drives].sum(axis=0) / energies.sum(axis=0)
     for number, share in enumerate(shares):
         square = modes.squares[number]
         if share > 0.5 and square > 0:
             frequency = math.sqrt(square)
-            ratios = dynamics.damping[drives] / dynamics.stiffness[drives]
-            return Mode(
-                frequency=frequency,
-                ratio=float(modes.ratios[number]),
-                share=float(share),
-                seconds=float(ratios.mean()),
-                per_ratio=2 * frequency / float(energies[drives, number].sum()),
-            )
-    raise NoMode(f"no mode of axis {axis} of actuator {actuator} vibrates: gravity topples it")
+            own = float(energies[drives, number].sum())
+            ratio = float(modes.ratios[number])
+            return Mode(frequency, ratio, float(share), False, seconds, 2 * frequency / own)
+    raise NoMode(f"axis {axis} of actuator {actuator} does not vibrate: gravity topples it")
+
+
+def _alone(
+    dynamics: ChainDynamics, drives: Array, inertia: Array, gravity: Array, seconds: float
+) -> Mode:
+    """Return the lowest mode of some joints, (n,) of bools, while all others are held."""
+    own = np.ix_(drives, drives)
+    springs, dampers = (np.diag(all_[drives]) for all_ in (dynamics.stiffness, dynamics.damping))
+    squares, vectors = eigh(springs + gravity[own], inertia[own])
+    if squares[0] <= 0:
+        raise NoMode("the axis does not vibrate: gravity topples it")
+    frequency, shape = math.sqrt(squares[0]), vectors[:, 0]
+    ratio = float(shape @ dampers @ shape) / (2 * frequency)
+    return Mode(
+        frequency, ratio, 1.0, True, seconds, 2 * frequency / float(shape @ springs @ shape)
+    )

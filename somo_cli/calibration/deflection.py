@@ -55,7 +55,7 @@ def following(levers: Levers, placement: Placement) -> Following:
     places = levers.places[: len(arms)] / levers.at
     rigid = levers.rigidity(levers.tip_stiffness(1.0)) / levers.at  # EI / a for a stiffness of 1
     stiffness = (levers.profile / levers.shares)[: len(arms)] / rigid
-    frequencies = _frequencies(levers, places, stiffness)
+    lowest, highest = _frequencies(levers, places, stiffness)
     errors = _errors_along(levers, places, stiffness)
     is_bending = levers.kind == "bending"
     return Following(
@@ -66,8 +66,8 @@ def following(levers: Levers, placement: Placement) -> Following:
         moment=_tip(places, stiffness, 0) * 2 - 1 if is_bending else math.nan,
         weight=_tip(places, stiffness, 2) * 4 - 1 if is_bending else math.nan,
         large=_large(places, stiffness) if is_bending else math.nan,
-        frequency=frequencies[0] / _FIRST[levers.kind] - 1,
-        top=frequencies[-1] / frequencies[0],
+        frequency=lowest / _FIRST[levers.kind] - 1,
+        top=highest / lowest,
     )
 
 
@@ -119,8 +119,8 @@ def _large(places: Array, stiffness: Array) -> float:
     return math.dist((places[0] + along.sum(), across.sum()), tip_load(1.0))
 
 
-def _frequencies(levers: Levers, places: Array, stiffness: Array) -> Array:
-    """Return the natural frequencies about the straight pose, of slender rods of mass 1."""
+def _frequencies(levers: Levers, places: Array, stiffness: Array) -> tuple[float, float]:
+    """Return the lowest and the highest frequency about the straight pose, rods of mass 1."""
     last = np.maximum.outer(places, places)
     free = 1 - last  # what both joints move
     mass = free
@@ -128,6 +128,7 @@ def _frequencies(levers: Levers, places: Array, stiffness: Array) -> Array:
         # the integral of (s - x_i)(s - x_j) from the later joint to the tip
         apart = np.abs(np.subtract.outer(places, places))
         mass = free**3 / 3 + apart * free**2 / 2
+    # many crowded joints leave digits to the largest eigenvalue alone, so one problem for each end
+    flexible = eigh(mass / np.sqrt(np.outer(stiffness, stiffness)), eigvals_only=True)
     squares = eigh(np.diag(stiffness), mass, eigvals_only=True)
-    frequencies: Array = np.sqrt(squares)
-    return frequencies
+    return 1 / math.sqrt(flexible[-1]), math.sqrt(squares[-1])

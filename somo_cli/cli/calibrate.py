@@ -106,8 +106,8 @@ def numbers_of(option: str, text: str) -> Sequence[int]:
         found = [int(part) for part in text.split(",")]
     except ValueError:
         found = []
-    is_right = bool(found) and all(1 <= number <= 200 for number in found)
-    require(is_right, option, f"{text!r} is not a list of numbers from 1 to 200, such as 3,5,10")
+    is_right = bool(found) and all(1 <= number <= 121 for number in found)
+    require(is_right, option, f"{text!r} is not a list of numbers from 1 to 121, such as 3,5,10")
     return list(dict.fromkeys(found))
 
 

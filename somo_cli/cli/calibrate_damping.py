@@ -211,7 +211,9 @@ def _print(
             f"ring-down: {swing.periods:.3g} periods, decay {swing.decay:.4g} 1/s, "
             f"residual {swing.residual:.2g}, {100 * swing.explained:.4g} % of the motion explained"
         )
-    if mode.share < 0.99:
+    if mode.is_alone:
+        typer.echo("there are other actuators: all other joints are taken as held")
+    elif mode.share < 0.99:
         typer.echo(f"{100 * mode.share:.3g} % of the mode's elastic energy is in this axis")
     seconds = wanted * mode.per_ratio
     values = [f"{seconds * value:.6g}" for value in _stiffness(scene, actuator, axis)]

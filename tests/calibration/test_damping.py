@@ -56,6 +56,18 @@ def test_gravity_softens_what_stands_and_may_topple_it() -> None:
         lowest_mode(plan_of(one, gravity=[0, 0, -9810.0]), 0, 0, 0)
 
 
+def test_of_several_actuators_the_others_are_held() -> None:
+    three = plan_of(actuator(4, X, Y), actuator(4, X, Y), actuator(4, X, Y))
+    found = lowest_mode(three, 0, 1, 0)
+    assert found.is_alone
+    # the same with the others so stiff that they do not move
+    stiff = [hinge(*axis, spring_stiffness=1e6) for axis in ((1, 0, 0), (0, 1, 0))]
+    alone = plan_of(actuator(4, *stiff), actuator(4, X, stiff[1]), actuator(4, *stiff))
+    assert found.frequency == pytest.approx(lowest_mode(alone, 0, 1, 0).frequency, rel=1e-4)
+    assert found.per_ratio == pytest.approx(2 / found.frequency)
+    assert found.ratio == pytest.approx(found.seconds / found.per_ratio)
+
+
 def test_without_springs_there_is_no_mode() -> None:
     limp = hinge(1, 0, 0, spring_stiffness=0)
     with pytest.raises(NoMode, match="no spring_stiffness"):

@@ -74,6 +74,12 @@ def test_errors_at_tenths_of_the_length() -> None:
     assert np.abs(found.profile).max() <= found.along
 
 
+def test_crowded_joints_leave_the_first_frequency_its_digits() -> None:
+    many = of_one_axis(121, "gauss")
+    assert many.frequency == pytest.approx(0, abs=1e-7)
+    assert many.top > of_one_axis(121).top
+
+
 def test_a_gauss_chain_pays_with_its_highest_frequency() -> None:
     assert of_one_axis(5, "gauss").top / of_one_axis(5).top == pytest.approx(3, abs=0.1)
 
