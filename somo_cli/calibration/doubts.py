@@ -11,7 +11,7 @@ from somo_cli.simulation.springs import Array
 TOGETHER = 0.98  # correlation from which on two parameters cannot be told apart
 WIDE = 0.2  # of a value: what its error may be
 PERSISTENT = 0.5
-FOLLOWED = 1e-3  # of the scatter of the data: what is left over and yet no reason for doubt
+FOLLOWED = 1e-6  # of the scatter of the data: what is left over is rounding
 
 
 def doubts(found: Fit, scatter: Array) -> Iterator[str]:
@@ -38,6 +38,6 @@ def doubts(found: Fit, scatter: Array) -> Iterator[str]:
     if found.persistence > PERSISTENT and not is_followed:
         yield (
             "what is left over is no noise (correlation of neighbouring rows "
-            f"{found.persistence:.2f}): the scene does not move as measured, and the intervals "
-            "are too narrow"
+            f"{found.persistence:.2f}): the scene, or its time step, does not follow what was "
+            "measured, and the intervals are too narrow"
         )

@@ -10,6 +10,7 @@ import pytest
 from somo_cli.calibration.doubts import doubts
 from somo_cli.calibration.fit import NothingToFit
 from somo_cli.calibration.parameters import WHATS, changed, parameters
+from somo_cli.simulation.actuation import Waypoints
 from tests.truth.fitted import (
     GUESS,
     TIP,
@@ -140,5 +141,7 @@ def test_changed_scenes_have_their_factors() -> None:
     first, second = one.compiled.chain.joints[:2]
     assert (first.stiffness, first.damping) == pytest.approx((0.2, 4e-4))
     assert (second.stiffness, second.damping) == pytest.approx((0.3, 18e-4))
-    assert one.actuation[0].waypoints[1] == (0.02, pytest.approx(0.018))
+    course = one.actuation[0].course
+    assert isinstance(course, Waypoints)
+    assert course.points[1] == (0.02, pytest.approx(0.018))
     assert one.actuation[1] == scene.manipulators[0].actuation[1]
