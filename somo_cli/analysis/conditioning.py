@@ -29,7 +29,7 @@ def findings(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterato
     yield from _masses(plan, body, document, definition)
     yield from _inertias(plan, body, document, definition)
     yield from _rows(body, document, definition)
-    if len(plan.bodies) > 1:
+    if plan.can_touch:
         yield from _sizes(plan, body, document, definition)
     count = len(body.chain.joints)
     if count > MANY_JOINTS:

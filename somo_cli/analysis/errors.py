@@ -22,6 +22,7 @@ UNITS: dict[Quantity, str] = {
     "tip_position": "m",
     "curvatures": "1/m",
     "energy": "J",
+    "contact_force": "N",
 }
 
 _PLACES = 3  # columns that are one vector, whose length is what counts

@@ -19,6 +19,10 @@ from somo_cli.problems import EngineMissing, EngineRefused
 from somo_cli.simulation.bullet_body import BulletBody
 from somo_cli.simulation.c_library import captured_output, decimal_points, duplicate, flush_c
 from somo_cli.simulation.plan import Plan
+from somo_cli.simulation.surface import Ground
+
+GROUND_REACH = 1000.0  # engine units, from the origin
+GROUND_DEPTH = 20.0  # engine units: what falls faster than this in a step passes through
 
 
 class BulletWorld:
@@ -95,6 +99,23 @@ class BulletWorld:
                 self.bodies.append(
                     BulletBody(self._bullet, self._client, body, self._plan.gravity, str(path))
                 )
+
+        if self._plan.ground is not None:
+            self._lay_ground(self._plan.ground)
+
+    def _lay_ground(self, ground: Ground) -> None:
+        # seen in 3.2.7: on a plane (GEOM_PLANE) a sliding box stands on one or two points and
+        # sinks in by millimetres, on a large box on four
+        bullet, client = self._bullet, self._client
+        half = [GROUND_REACH, GROUND_REACH, GROUND_DEPTH / 2]
+        slab = bullet.createCollisionShape(
+            bullet.GEOM_BOX, halfExtents=half, physicsClientId=client
+        )
+        below = [0, 0, ground.height - GROUND_DEPTH / 2]
+        index = bullet.createMultiBody(0, slab, -1, below, physicsClientId=client)
+        bullet.changeDynamics(
+            index, -1, lateralFriction=ground.surface.friction, physicsClientId=client
+        )
 
     def _loading(self) -> str:
         return self._plan.bodies[min(len(self.bodies), len(self._plan.bodies) - 1)].name

@@ -17,6 +17,7 @@ from somo_cli.simulation.scene import Quantity
 
 _XYZ = ("x_m", "y_m", "z_m")
 _XYZW = ("qx", "qy", "qz", "qw")
+_FORCES = ("fx_n", "fy_n", "fz_n", "normal_n")
 _ENERGIES = ("kinetic_j", "elastic_j", "gravity_j")
 
 
@@ -24,7 +25,8 @@ _ENERGIES = ("kinetic_j", "elastic_j", "gravity_j")
 class State:
     """One body at one instant, in engine units: angles, rates and actuation by joint.
 
-    `base_velocity` holds the velocity of the base's centre of mass and its spin, in the world.
+    `base_velocity` holds the velocity of the base's centre of mass and its spin, in the world;
+    `contact` the force of all that touches the body in the step before, and the sum of normal ones.
     """
 
     body: Body
@@ -35,6 +37,7 @@ class State:
     base_velocity: tuple[Vector, Vector]
     gravity: Vector
     dynamics: Callable[[], ChainDynamics]
+    contact: Sequence[float] = ()
 
     @cached_property
     def base_pose(self) -> Pose:
@@ -53,6 +56,7 @@ class Units:
 
     length: float
     torque: float
+    force: float
 
 
 Reading: TypeAlias = Callable[[State, Units], Iterator[float]]
@@ -60,7 +64,8 @@ Reading: TypeAlias = Callable[[State, Units], Iterator[float]]
 
 def units_of(plan: Plan) -> Units:
     """Return the factors that lead from SI to the units of a plan."""
-    return Units(plan.scale.factor(Dimension(length=1)), plan.scale.factor(TORQUE))
+    force = plan.scale.factor(Dimension(mass=1, length=1, time=-2))
+    return Units(plan.scale.factor(Dimension(length=1)), plan.scale.factor(TORQUE), force)
 
 
 def header(plan: Plan) -> list[str]:
@@ -123,6 +128,7 @@ def _names(body: Body, quantity: Quantity) -> list[str]:
         "base_pose": (["base_pose"], _XYZ + _XYZW),
         "tip_position": (["tip"], _XYZ),
         "energy": (["energy"], _ENERGIES),
+        "contact_force": (["contact"], _FORCES),
     }
     owners, units = suffixes[quantity]
     return [f"{owner}.{unit}" for owner in owners for unit in units]
@@ -186,6 +192,10 @@ def _energy(state: State, units: Units) -> Iterator[float]:
     yield pose.gravity_energy(state.gravity) / units.torque
 
 
+def _contact_force(state: State, units: Units) -> Iterator[float]:
+    yield from (value / units.force for value in state.contact)
+
+
 _READINGS: dict[Quantity, Reading] = {
     "joint_angles": _angles,
     "joint_rates": _rates,
@@ -197,4 +207,5 @@ _READINGS: dict[Quantity, Reading] = {
     "base_pose": _base_pose,
     "tip_position": _tip_position,
     "energy": _energy,
+    "contact_force": _contact_force,
 }

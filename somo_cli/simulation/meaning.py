@@ -8,14 +8,21 @@ from typing import Any
 from somo_cli.document.include import unread
 from somo_cli.document.parse import Document
 from somo_cli.document.validate import faults_of_shape, soundness
+from somo_cli.manipulator import geometry
 from somo_cli.manipulator import meaning as manipulator_meaning
 from somo_cli.manipulator import read as manipulator_read
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.compile import compile_sound
 from somo_cli.manipulator.dimensions import Scale
+from somo_cli.manipulator.kinematics import Pose
 from somo_cli.manipulator.meaning import IsSound
 from somo_cli.problems import Pointer, Problem, has_errors, in_reading_order
-from somo_cli.simulation import actuation_meaning, load_meaning, sorotraj_meaning
+from somo_cli.simulation import (
+    actuation_meaning,
+    ground_meaning,
+    load_meaning,
+    sorotraj_meaning,
+)
 from somo_cli.simulation.scene import PLACES_OF_FILES, name_of, per_joint
 
 
@@ -184,6 +191,7 @@ def _manipulator_faults(
                 "no joint of this manipulator moves, so there is nothing to simulate",
             )
         yield from _start_faults(document, at, data, compiled.chain, is_sound)
+        yield from _ground_faults(document, at, data, compiled.chain, is_sound)
         if is_sound((*at, "actuation")):
             place = (*at, "actuation")
             yield from actuation_meaning.faults_of_axes(
@@ -211,6 +219,30 @@ def _start_faults(
             has_counts = False
     if has_counts and is_sound((*at, "initial_angles")):
         yield from _limit_faults(document, at, data.get("initial_angles"), chain)
+
+
+def _ground_faults(
+    document: Document, at: Pointer, data: Mapping[str, Any], chain: Chain, is_sound: IsSound
+) -> Iterator[Problem]:
+    scene: Any = document.data
+    keys = ("position", "rpy", "base", "initial_angles")
+    if "ground" not in scene or not is_sound(("ground",)):
+        return
+    angles = data.get("initial_angles", 0)
+    count = len(chain.joints)
+    is_whole = not isinstance(angles, list) or len(angles) == count
+    if not is_whole or not all(is_sound((*at, key)) for key in keys):
+        return
+    rotation = geometry.rotation_from_rpy(tuple(data.get("rpy", geometry.ZERO)))
+    yield from ground_meaning.faults(
+        document,
+        at,
+        chain,
+        per_joint(angles, count),
+        Pose(tuple(data.get("position", geometry.ZERO)), rotation),
+        data.get("base", "static") != "free",
+        float(scene["ground"].get("height", 0)),
+    )
 
 
 def _limit_faults(

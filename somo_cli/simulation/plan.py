@@ -30,6 +30,7 @@ from somo_cli.simulation.scene import (
 )
 from somo_cli.simulation.scene import Load as LoadOfScene
 from somo_cli.simulation.signal import Input, Signal
+from somo_cli.simulation.surface import Ground, Surface
 
 TORQUE = Dimension(mass=1, length=2, time=-2)
 
@@ -91,6 +92,7 @@ class Body:
     start: Start
     drives: tuple[Drive, ...]
     loads: tuple[Load, ...]
+    surface: Surface
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,12 +106,18 @@ class Plan:
     bodies: tuple[Body, ...]
     every: int
     columns: tuple[Quantity, ...]
+    ground: Ground | None
+
+    @property
+    def can_touch(self) -> bool:
+        """Whether there is anything that a body could touch; none touches itself."""
+        return len(self.bodies) > 1 or self.ground is not None
 
 
 def make_plan(scene: Scene) -> Plan:
     """Return the plan of a scene; the only place where SI becomes engine units."""
     acceleration = scene.scale.factor(Dimension(length=1, time=-2))
-    can_touch = len(scene.manipulators) > 1
+    can_touch = len(scene.manipulators) > 1 or scene.ground is not None
     gx, gy, gz = scene.gravity
     return Plan(
         scale=scene.scale,
@@ -119,6 +127,7 @@ def make_plan(scene: Scene) -> Plan:
         bodies=tuple(_body(one, scene.scale, can_touch) for one in scene.manipulators),
         every=scene.every,
         columns=scene.columns,
+        ground=None if scene.ground is None else scaled(scene.ground, scene.scale),
     )
 
 
@@ -140,6 +149,7 @@ def _body(manipulator: Manipulator, scale: Scale, can_touch: bool) -> Body:
         start=scaled(start, scale),
         drives=tuple(_drive(entry, chain, scale) for entry in manipulator.actuation),
         loads=tuple(_load(scaled(entry, scale)) for entry in manipulator.loads),
+        surface=scaled(manipulator.surface, scale),
     )
 
 

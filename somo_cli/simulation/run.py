@@ -17,6 +17,8 @@ from somo_cli.simulation.runner import STEPS_BETWEEN_LOOKS, Runner
 from somo_cli.simulation.start import begin
 from somo_cli.simulation.world import World
 
+_NO_CONTACT = (0.0, 0.0, 0.0, 0.0)
+
 
 @dataclass(frozen=True, slots=True)
 class Summary:
@@ -57,7 +59,7 @@ def run(
         watch.check(step, plan, runners)
         advance(step)
         is_recorded = step % plan.every == 0
-        states = [_state(plan, runner) for runner in runners] if is_recorded else []
+        states = [_state(plan, runner, step) for runner in runners] if is_recorded else []
         until = _next_stop(plan, step, steps)
         if is_recorded and needs_next_rates:
             until = step + 1
@@ -113,7 +115,7 @@ def _is_steady(plan: Plan, runners: Sequence[Runner], first: int, until: int) ->
     return all(runner.steady_until(start) > end for runner in runners)
 
 
-def _state(plan: Plan, runner: Runner) -> State:
+def _state(plan: Plan, runner: Runner, step: int) -> State:
     """Return a copy of the present state; a base that cannot move is read when a column asks."""
     law = runner.law
     base = runner.world_body.base_pose
@@ -121,6 +123,9 @@ def _state(plan: Plan, runner: Runner) -> State:
     if runner.body.base != "static":
         pose, velocity = base(), runner.world_body.base_velocity()
         base = lambda: pose  # noqa: E731
+    contact: Sequence[float] = _NO_CONTACT
+    if "contact_force" in plan.columns and step > 0:
+        contact = runner.world_body.contact_force()
     return State(
         runner.body,
         law.angles.tolist(),
@@ -130,6 +135,7 @@ def _state(plan: Plan, runner: Runner) -> State:
         velocity,
         plan.gravity,
         runner.dynamics,
+        contact,
     )
 
 

@@ -15,10 +15,11 @@ from somo_cli.manipulator.compile import Compiled, compile_sound
 from somo_cli.manipulator.dimensions import Force, Number, Position, Scale, Time, Torque
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.problems import Pointer
-from somo_cli.simulation import actuation
+from somo_cli.simulation import actuation, surface
 from somo_cli.simulation.actuation import Actuation
 from somo_cli.simulation.signal import Interpolation
 from somo_cli.simulation.sorotraj import Trajectory, trajectory
+from somo_cli.simulation.surface import Ground, Surface
 
 Integrator = Literal["implicit", "euler", "explicit"]
 Base = Literal["static", "free", "constrained"]
@@ -34,6 +35,7 @@ Quantity = Literal[
     "tip_position",
     "curvatures",
     "energy",
+    "contact_force",
 ]
 
 ClosedForm = Literal[
@@ -95,6 +97,7 @@ class Manipulator:
     angular_velocity: Vector
     actuation: tuple[Actuation, ...]
     loads: tuple[Load, ...]
+    surface: Surface
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +117,7 @@ class Scene:
     every: int
     columns: tuple[Quantity, ...]
     reference: ClosedForm | None
+    ground: Ground | None
     is_step_chosen: bool = False
     expected_error: float | None = None
 
@@ -123,7 +127,9 @@ def is_scene(document: Document) -> bool:
     keys = set(document.data) if isinstance(document.data, dict) else set()
     if "manipulators" in keys or keys & {"manipulator_name", "actuator_definitions"}:
         return "manipulators" in keys
-    return not keys.isdisjoint({"time_step", "gravity", "integrator", "record", "reference"})
+    return not keys.isdisjoint(
+        {"time_step", "gravity", "integrator", "record", "reference", "ground"}
+    )
 
 
 def scene_of_one(definition: Document) -> Document:
@@ -175,6 +181,7 @@ def read(document: Document) -> Scene:
         every=int(record.get("every", 1)),
         columns=tuple(dict.fromkeys(record.get("columns", DEFAULT_COLUMNS))),
         reference=data.get("reference"),
+        ground=surface.ground(data["ground"]) if "ground" in data else None,
         is_step_chosen=is_chosen,
     )
 
@@ -200,6 +207,7 @@ def _manipulator(
             for one in actuation.read(item, compiled.definition, known)
         ),
         loads=tuple(_load(item, compiled.chain) for item in data.get("loads", ())),
+        surface=surface.surface(data.get("surface", {})),
     )
 
 

@@ -42,6 +42,12 @@ class WorldBody(Protocol):
     def base_velocity(self) -> tuple[Vector, Vector]:
         """Return the velocity of the base's centre of mass, and its angular velocity."""
 
+    def contact_force(self) -> tuple[float, float, float, float]:
+        """Return the force on the body of all that touches it, in the world, in the last step.
+
+        Its three components, then the sum of all normal forces.
+        """
+
     def reset(
         self,
         angles: Sequence[float],

@@ -88,6 +88,9 @@ class FakeBody:
     def base_velocity(self) -> tuple[Vector, Vector]:
         return ZERO, ZERO
 
+    def contact_force(self) -> tuple[float, float, float, float]:
+        return (0.0, 0.0, 0.0, 0.0)
+
     def reset(
         self,
         angles: Sequence[float],

@@ -83,6 +83,7 @@ NAMES: dict[Quantity, list[str]] = {
     "base_pose": [f"base_pose.{name}" for name in ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")],
     "tip_position": ["tip.x_m", "tip.y_m", "tip.z_m"],
     "energy": ["energy.kinetic_j", "energy.elastic_j", "energy.gravity_j"],
+    "contact_force": ["contact.fx_n", "contact.fy_n", "contact.fz_n", "contact.normal_n"],
 }
 
 
@@ -127,7 +128,9 @@ def state_of(
     body, length = plan.bodies[0], plan.scale.factor(Dimension(length=1))
     velocity = (length, 0.0, 0.0), (0.0, 0.0, 2.0)
     dynamics = functools.partial(ChainDynamics, body.chain)
-    return State(body, angles, rates, actuation, base, velocity, plan.gravity, dynamics)
+    force = plan.scale.factor(Dimension(mass=1, length=1, time=-2))
+    contact = [force * value for value in (1.0, -2.0, 3.0, 4.0)]
+    return State(body, angles, rates, actuation, base, velocity, plan.gravity, dynamics, contact)
 
 
 def row_of(plan: Plan, state: State) -> dict[str, float]:
@@ -161,6 +164,8 @@ def test_the_values_at_a_bent_pose() -> None:
     assert torques == pytest.approx([-0.06, 0.08, 0.08])
     assert [found[f"a.{name}"] for name in NAMES["actuation"]] == pytest.approx([0.3, -0.2, 0.7])
     pose = [found[f"a.{name}"] for name in NAMES["base_pose"]]
+    forces = [found[f"a.{name}"] for name in NAMES["contact_force"]]
+    assert forces == pytest.approx([1, -2, 3, 4])
     half = math.sqrt(0.5)  # a quarter turn about z
     assert pose == pytest.approx([0.1, -0.2, 0.3, 0.0, 0.0, half, half])
 

@@ -14,6 +14,7 @@ from somo_cli.simulation import scene
 from somo_cli.simulation.actuation import Actuation, Oscillation, Waypoints
 from somo_cli.simulation.scene import Load, Scene
 from somo_cli.simulation.signal import Wave
+from somo_cli.simulation.surface import Ground, Surface
 from tests.loading import DEFINITIONS, scene_from_text
 from tests.manipulator.bodies import X, Y, actuator, manipulator
 
@@ -39,6 +40,7 @@ def test_what_is_assumed() -> None:
         "scale": Scale(1.0, 1.0),
         "every": 1,
         "reference": None,
+        "ground": None,
         "is_step_chosen": False,
         "expected_error": None,
         "columns": ("joint_angles", "tip_position"),
@@ -57,6 +59,7 @@ def test_what_is_assumed() -> None:
         "angular_velocity": (0.0, 0.0, 0.0),
         "actuation": (),
         "loads": (),
+        "surface": Surface(0.5),
     }
 
 
@@ -107,6 +110,15 @@ def test_everything_said() -> None:
         Actuation(0, 1, Waypoints(((0.0, 2.0),))),
         Actuation(0, 0, Waypoints(((0.0, 1.0), (2.0, 1.0)), "cubic", True)),
     )
+
+
+def test_a_ground_and_how_it_is_touched() -> None:
+    plain = read({"ground": {}, "manipulators": [{"definition": BODY}]})
+    assert plain.ground == Ground(0.0, Surface(1.0))
+    one = {"definition": BODY, "surface": {"friction": 2}}
+    other = read({"ground": {"height": -1, "friction": 0}, "manipulators": [one]})
+    assert other.ground == Ground(-1.0, Surface(0.0))
+    assert other.manipulators[0].surface == Surface(2.0)
 
 
 def test_loads_are_on_links_of_the_chain() -> None:

@@ -1,0 +1,60 @@
+"""Faults of a scene with a ground: what starts in it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+from somo_cli.document.parse import Document
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator.chain import Chain, Shape
+from somo_cli.manipulator.kinematics import Pose, link_poses
+from somo_cli.manipulator.solids import Box, Cylinder
+from somo_cli.problems import Pointer, Problem
+
+DEEPEST = 1e-3  # of the length: what the engine pushes out without a jerk
+
+
+def faults(
+    document: Document,
+    at: Pointer,
+    chain: Chain,
+    angles: Sequence[float],
+    base: Pose,
+    is_held: bool,
+    height: float,
+) -> Iterator[Problem]:
+    """Yield an error for a manipulator at `at` that starts below the ground's height [m].
+
+    A base that is held may stand in the ground, with which it cannot collide.
+    """
+    poses = link_poses(chain, angles, base)
+    first = 1 if is_held else 0
+    depths = {
+        link.name: height - min(_lowest(shape, pose) for shape in link.shapes)
+        for link, pose in zip(chain.links[first:], poses[first:], strict=True)
+        if link.shapes
+    }
+    if not depths:
+        return
+    name = max(depths, key=depths.__getitem__)
+    if depths[name] > DEEPEST * chain.length:
+        yield Problem(
+            document.span((*at, "position")),
+            f"link '{name}' starts {depths[name]:.3g} m inside the ground",
+            "raise the manipulator with position, or lower the ground with its height",
+        )
+
+
+def _lowest(shape: Shape, link: Pose) -> float:
+    """Return the lowest height of a shape of a link at a pose [m]."""
+    own = geometry.multiply(link.rotation, geometry.rotation_from_rpy(shape.rpy))
+    x, y, z = own[2]  # how far up each of the shape's axes points
+    solid = shape.solid
+    if isinstance(solid, Box):
+        reach = sum(abs(up) * edge / 2 for up, edge in zip((x, y, z), solid.size, strict=True))
+    elif isinstance(solid, Cylinder):
+        reach = abs(z) * solid.length / 2 + math.hypot(x, y) * solid.radius
+    else:
+        reach = solid.radius
+    return link.point(shape.position)[2] - reach
