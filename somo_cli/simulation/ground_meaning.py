@@ -3,33 +3,42 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 from somo_cli.document.parse import Document
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain, Shape
 from somo_cli.manipulator.kinematics import Pose, link_poses
+from somo_cli.manipulator.meaning import IsSound
 from somo_cli.manipulator.solids import Box, Cylinder
 from somo_cli.problems import Pointer, Problem
+from somo_cli.simulation.scene import per_joint
 
 DEEPEST = 1e-3  # of the length: what the engine pushes out without a jerk
 
 
 def faults(
-    document: Document,
-    at: Pointer,
-    chain: Chain,
-    angles: Sequence[float],
-    base: Pose,
-    is_held: bool,
-    height: float,
+    document: Document, at: Pointer, data: Mapping[str, Any], chain: Chain, is_sound: IsSound
 ) -> Iterator[Problem]:
-    """Yield an error for a manipulator at `at` that starts below the ground's height [m].
+    """Yield an error for the manipulator `data` at `at` if it starts inside the scene's ground.
 
     A base that is held may stand in the ground, with which it cannot collide.
     """
+    scene: Any = document.data
+    keys = ("position", "rpy", "base", "initial_angles")
+    if "ground" not in scene or not is_sound(("ground",)):
+        return
+    if not all(is_sound((*at, key)) for key in keys):
+        return
+    angles = per_joint(data.get("initial_angles", 0), len(chain.joints))
+    if len(angles) != len(chain.joints):
+        return  # told where the start is judged
+    rotation = geometry.rotation_from_rpy(tuple(data.get("rpy", geometry.ZERO)))
+    base = Pose(tuple(data.get("position", geometry.ZERO)), rotation)
+    height = float(scene["ground"].get("height", 0))
     poses = link_poses(chain, angles, base)
-    first = 1 if is_held else 0
+    first = 0 if data.get("base") == "free" else 1
     depths = {
         link.name: height - min(_lowest(shape, pose) for shape in link.shapes)
         for link, pose in zip(chain.links[first:], poses[first:], strict=True)

@@ -8,13 +8,11 @@ from typing import Any
 from somo_cli.document.include import unread
 from somo_cli.document.parse import Document
 from somo_cli.document.validate import faults_of_shape, soundness
-from somo_cli.manipulator import geometry
 from somo_cli.manipulator import meaning as manipulator_meaning
 from somo_cli.manipulator import read as manipulator_read
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.compile import compile_sound
 from somo_cli.manipulator.dimensions import Scale
-from somo_cli.manipulator.kinematics import Pose
 from somo_cli.manipulator.meaning import IsSound
 from somo_cli.problems import Pointer, Problem, has_errors, in_reading_order
 from somo_cli.simulation import (
@@ -34,8 +32,8 @@ def faults(document: Document) -> tuple[Problem, ...]:
     problems = [fault.problem for fault in shape if fault.pointer[:3] not in scenes]
     problems.extend(scenes.values())
     data = document.data
-    problems.extend(_trajectory_faults(document, is_sound))
-    channels = _channels(document, is_sound)
+    problems.extend(sorotraj_meaning.faults_of_scene(document, is_sound))
+    channels = sorotraj_meaning.channels_of_scene(document, is_sound)
     manipulators = data.get("manipulators") if isinstance(data, Mapping) else None
     if isinstance(manipulators, list):
         for index, item in enumerate(manipulators):
@@ -119,37 +117,6 @@ def _shown(scale: Scale) -> str:
     return f"{scale.length:g}{of_mass}"
 
 
-def _trajectories(document: Document) -> list[Any]:
-    data = document.data
-    found = data.get("trajectories") if isinstance(data, Mapping) else None
-    return found if isinstance(found, list) else []
-
-
-def _trajectory_faults(document: Document, is_sound: IsSound) -> Iterator[Problem]:
-    seen: set[str] = set()
-    for index, item in enumerate(_trajectories(document)):
-        at: Pointer = ("trajectories", index)
-        if not isinstance(item, Mapping) or not is_sound(at):
-            continue
-        yield from sorotraj_meaning.faults(document, (*at, "sorotraj"), item["sorotraj"])
-        yield from sorotraj_meaning.faults_of_run(document, at, item)
-        if item["name"] in seen:
-            place = document.span((*at, "name"))
-            yield Problem(place, f"two trajectories are called '{item['name']}'")
-        seen.add(item["name"])
-
-
-def _channels(document: Document, is_sound: IsSound) -> Mapping[str, int | None]:
-    """Return how many channels every trajectory has, None for those at fault."""
-    return {
-        str(item["name"]): sorotraj_meaning.channels(item["sorotraj"])
-        if is_sound(("trajectories", index))
-        else None
-        for index, item in enumerate(_trajectories(document))
-        if isinstance(item, Mapping) and "name" in item
-    }
-
-
 def _manipulator_faults(
     document: Document,
     index: int,
@@ -191,7 +158,7 @@ def _manipulator_faults(
                 "no joint of this manipulator moves, so there is nothing to simulate",
             )
         yield from _start_faults(document, at, data, compiled.chain, is_sound)
-        yield from _ground_faults(document, at, data, compiled.chain, is_sound)
+        yield from ground_meaning.faults(document, at, data, compiled.chain, is_sound)
         if is_sound((*at, "actuation")):
             place = (*at, "actuation")
             yield from actuation_meaning.faults_of_axes(
@@ -219,30 +186,6 @@ def _start_faults(
             has_counts = False
     if has_counts and is_sound((*at, "initial_angles")):
         yield from _limit_faults(document, at, data.get("initial_angles"), chain)
-
-
-def _ground_faults(
-    document: Document, at: Pointer, data: Mapping[str, Any], chain: Chain, is_sound: IsSound
-) -> Iterator[Problem]:
-    scene: Any = document.data
-    keys = ("position", "rpy", "base", "initial_angles")
-    if "ground" not in scene or not is_sound(("ground",)):
-        return
-    angles = data.get("initial_angles", 0)
-    count = len(chain.joints)
-    is_whole = not isinstance(angles, list) or len(angles) == count
-    if not is_whole or not all(is_sound((*at, key)) for key in keys):
-        return
-    rotation = geometry.rotation_from_rpy(tuple(data.get("rpy", geometry.ZERO)))
-    yield from ground_meaning.faults(
-        document,
-        at,
-        chain,
-        per_joint(angles, count),
-        Pose(tuple(data.get("position", geometry.ZERO)), rotation),
-        data.get("base", "static") != "free",
-        float(scene["ground"].get("height", 0)),
-    )
 
 
 def _limit_faults(

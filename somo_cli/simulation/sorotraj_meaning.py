@@ -7,6 +7,7 @@ from typing import Any, cast
 
 from somo_cli.document.parse import Document
 from somo_cli.document.validate import faults_of_shape
+from somo_cli.manipulator.meaning import IsSound
 from somo_cli.problems import Pointer, Problem, in_reading_order
 from somo_cli.simulation.sorotraj import SAMPLED
 
@@ -26,6 +27,36 @@ def faults_of_file(document: Document) -> tuple[Problem, ...]:
     if not problems:
         problems.extend(faults(document, (), cast(Mapping[str, Any], document.data)))
     return in_reading_order(problems, document.texts)
+
+
+def _trajectories(document: Document) -> list[Any]:
+    data = document.data
+    found = data.get("trajectories") if isinstance(data, Mapping) else None
+    return found if isinstance(found, list) else []
+
+
+def faults_of_scene(document: Document, is_sound: IsSound) -> Iterator[Problem]:
+    """Yield the faults of the trajectories that a scene names."""
+    seen: set[str] = set()
+    for index, item in enumerate(_trajectories(document)):
+        at: Pointer = ("trajectories", index)
+        if not isinstance(item, Mapping) or not is_sound(at):
+            continue
+        yield from faults(document, (*at, "sorotraj"), item["sorotraj"])
+        yield from faults_of_run(document, at, item)
+        if item["name"] in seen:
+            place = document.span((*at, "name"))
+            yield Problem(place, f"two trajectories are called '{item['name']}'")
+        seen.add(item["name"])
+
+
+def channels_of_scene(document: Document, is_sound: IsSound) -> Mapping[str, int | None]:
+    """Return how many channels every trajectory has, None for those at fault."""
+    return {
+        str(item["name"]): channels(item["sorotraj"]) if is_sound(("trajectories", index)) else None
+        for index, item in enumerate(_trajectories(document))
+        if isinstance(item, Mapping) and "name" in item
+    }
 
 
 def faults(document: Document, at: Pointer, data: Mapping[str, Any]) -> Iterator[Problem]:

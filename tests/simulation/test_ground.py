@@ -133,6 +133,30 @@ def test_a_finger_that_presses_on_the_ground_stands_where_statics_say() -> None:
     assert forces == pytest.approx([forces[0]] * 3, rel=0.01)
 
 
+def test_two_bodies_press_on_each_other_with_one_force() -> None:
+    # two fingers side by side bend towards each other until they meet
+    def finger(name: str, y: float, yaw: float) -> Data:
+        drive = {"actuator": 0, "axis": 0, "waypoints": [[0, 0], [0.2, 0.02]]}
+        return {
+            "name": name,
+            "definition": "finger.yaml",
+            "position": [0, y, 0],
+            "rpy": [0, 0, yaw],
+            "actuation": [drive],
+        }
+
+    data = {
+        "gravity": [0, 0, 0],
+        "manipulators": [finger("a", 0.02, 0), finger("b", -0.02, math.pi)],
+        "record": {"every": 1, "columns": ["contact_force"]},
+    }
+    rows = np.array(rows_of(scene_from_text(json.dumps(data)), 600))
+    one, other = rows[:, 1:5], rows[:, 5:9]
+    assert one[-1, 3] > 0.01
+    assert one[:, 3] == pytest.approx(other[:, 3], abs=1e-12)
+    assert one[:, :3] == pytest.approx(-other[:, :3], abs=1e-9)
+
+
 @pytest.mark.slow
 def test_a_snake_wriggles_on_the_ground_alike_at_every_step() -> None:
     ends = []
