@@ -13,8 +13,9 @@ ALWAYS: tuple[Quantity, ...] = ("tip_position", "joint_angles", "energy")
 
 
 def studied(scene: Scene) -> Scene:
-    """Return the scene recording what a study compares, and what it records itself."""
-    return dataclasses.replace(scene, columns=tuple(dict.fromkeys((*ALWAYS, *scene.columns))))
+    """Return the scene recording what a study compares, and what it records of manipulators."""
+    columns = tuple(dict.fromkeys((*ALWAYS, *scene.columns)))
+    return dataclasses.replace(scene, columns=columns, of_things=())
 
 
 def stepped(scene: Scene, integrator: Integrator, time_step: float, every: int) -> Scene:

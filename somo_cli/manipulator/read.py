@@ -57,7 +57,7 @@ def link_from(data: Mapping[str, Any]) -> LinkDefinition:
     rgba = data.get("material_color") or _GREY
     return LinkDefinition(
         shape_type=data["shape_type"],
-        solid=_solid(data["shape_type"], [float(value) for value in data["dimensions"]]),
+        solid=solid_from(data["shape_type"], [float(value) for value in data["dimensions"]]),
         mass=float(data["mass"]),
         inertia=None if inertia is None else _six(inertia),
         material=Material(data.get("material_name") or "grey", _four(rgba)),
@@ -67,7 +67,8 @@ def link_from(data: Mapping[str, Any]) -> LinkDefinition:
     )
 
 
-def _solid(shape_type: str, dimensions: list[float]) -> Solid:
+def solid_from(shape_type: str, dimensions: list[float]) -> Solid:
+    """Return the solid that has the mass of a link of this shape."""
     if shape_type in ("box", "stadium"):
         return Box(_three(dimensions))
     if shape_type in ("cylinder", "capsule"):

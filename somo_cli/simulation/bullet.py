@@ -17,6 +17,7 @@ from typing import Any
 
 from somo_cli.problems import EngineMissing, EngineRefused
 from somo_cli.simulation.bullet_body import BulletBody
+from somo_cli.simulation.bullet_thing import BulletThing
 from somo_cli.simulation.c_library import captured_output, decimal_points, duplicate, flush_c
 from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.surface import Ground
@@ -34,6 +35,7 @@ class BulletWorld:
         self._client = -1
         self._stdout: int | None = None
         self.bodies: list[BulletBody] = []
+        self.things: list[BulletThing] = []
         self.step: Callable[[], object] = self._refuse
 
     def __enter__(self) -> BulletWorld:
@@ -100,6 +102,10 @@ class BulletWorld:
                     BulletBody(self._bullet, self._client, body, self._plan.gravity, str(path))
                 )
 
+            for number, thing in enumerate(self._plan.things):
+                path = Path(folder) / f"object_{number}.urdf"
+                path.write_text(thing.urdf, encoding="utf-8")
+                self.things.append(BulletThing(self._bullet, self._client, thing, str(path)))
         if self._plan.ground is not None:
             self._lay_ground(self._plan.ground)
 
@@ -118,7 +124,9 @@ class BulletWorld:
         )
 
     def _loading(self) -> str:
-        return self._plan.bodies[min(len(self.bodies), len(self._plan.bodies) - 1)].name
+        names = [body.name for body in self._plan.bodies]
+        names += [planned.thing.name for planned in self._plan.things]
+        return names[min(len(self.bodies) + len(self.things), len(names) - 1)]
 
 
 def _engine() -> Any:

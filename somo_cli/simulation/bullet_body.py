@@ -199,19 +199,7 @@ class BulletBody:
 
         Its three components, then the sum of all normal forces.
         """
-        total, pressed = geometry.ZERO, 0.0
-        # seen in 3.2.7: asked for one body, the engine tells each contact with that one as A
-        for point in self._bullet.getContactPoints(self.index, physicsClientId=self._client):
-            normal, force = point[7], point[9]
-            pressed += force
-            for direction, size in (
-                (normal, force),
-                (point[11], point[10]),
-                (point[13], point[12]),
-            ):
-                x, y, z = direction
-                total = geometry.add(total, (size * x, size * y, size * z))
-        return (*total, pressed)
+        return contact_force(self._bullet, self._client, self.index)
 
     def reset(
         self,
@@ -330,6 +318,22 @@ class BulletBody:
         if found:
             more = f"; and {len(found) - 3} more" if len(found) > 3 else ""
             raise EngineRefused(self._body.name, "; ".join(found[:3]) + more)
+
+
+def contact_force(bullet: Any, client: int, body: int) -> tuple[float, float, float, float]:
+    """Return the force on a body of all that touches it, in the world, in the last step.
+
+    Its three components, then the sum of all normal forces.
+    """
+    total, pressed = geometry.ZERO, 0.0
+    # seen in 3.2.7: asked for one body, the engine tells each contact with that one as A
+    for point in bullet.getContactPoints(body, physicsClientId=client):
+        normal, force = point[7], point[9]
+        pressed += force
+        for direction, size in ((normal, force), (point[11], point[10]), (point[13], point[12])):
+            x, y, z = direction
+            total = geometry.add(total, (size * x, size * y, size * z))
+    return (*total, pressed)
 
 
 def _vector(values: Sequence[float] | Array) -> Vector:

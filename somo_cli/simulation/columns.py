@@ -14,11 +14,17 @@ from somo_cli.manipulator.kinematics import Pose, link_poses
 from somo_cli.simulation.dynamics import ChainDynamics
 from somo_cli.simulation.plan import TORQUE, Body, Plan
 from somo_cli.simulation.scene import Quantity
+from somo_cli.simulation.things import Reading
+from somo_cli.simulation.world import WorldThing
 
 _XYZ = ("x_m", "y_m", "z_m")
 _XYZW = ("qx", "qy", "qz", "qw")
 _FORCES = ("fx_n", "fy_n", "fz_n", "normal_n")
 _ENERGIES = ("kinetic_j", "elastic_j", "gravity_j")
+_OF_THINGS: dict[Reading, list[str]] = {
+    "pose": [f"pose.{part}" for part in _XYZ + _XYZW],
+    "contact_force": [f"contact.{part}" for part in _FORCES],
+}
 
 
 @dataclass
@@ -59,7 +65,7 @@ class Units:
     force: float
 
 
-Reading: TypeAlias = Callable[[State, Units], Iterator[float]]
+Reader: TypeAlias = Callable[[State, Units], Iterator[float]]
 
 
 def units_of(plan: Plan) -> Units:
@@ -74,6 +80,9 @@ def header(plan: Plan) -> list[str]:
     for body in plan.bodies:
         for quantity in plan.columns:
             names.extend(f"{body.name}.{name}" for name in _names(body, quantity))
+    for planned in plan.things:
+        for reading in plan.of_things:
+            names.extend(f"{planned.thing.name}.{name}" for name in _OF_THINGS[reading])
     return names
 
 
@@ -88,13 +97,22 @@ class Group:
 
 
 def groups(plan: Plan) -> list[Group]:
-    """Return what the columns of the header are, in their order, time left out."""
+    """Return what the columns of the header are, in their order, time left out.
+
+    Objects are counted after the bodies, and a pose of theirs is that of a base.
+    """
     found: list[Group] = []
     first = 1
     for number, body in enumerate(plan.bodies):
         for quantity in plan.columns:
             last = first + len(_names(body, quantity))
             found.append(Group(number, quantity, first, last))
+            first = last
+    for number, _ in enumerate(plan.things, start=len(plan.bodies)):
+        for reading in plan.of_things:
+            last = first + len(_OF_THINGS[reading])
+            kind: Quantity = "base_pose" if reading == "pose" else "contact_force"
+            found.append(Group(number, kind, first, last))
             first = last
     return found
 
@@ -105,6 +123,21 @@ def row(plan: Plan, units: Units, time: float, states: Sequence[State]) -> list[
     for state in states:
         for quantity in plan.columns:
             values.extend(_READINGS[quantity](state, units))
+    return values
+
+
+def of_things(plan: Plan, units: Units, things: Sequence[WorldThing], step: int) -> list[float]:
+    """Return the values of the objects' columns after a step, in SI, in the header's order."""
+    values: list[float] = []
+    for thing in things:
+        for reading in plan.of_things:
+            if reading == "contact_force":
+                force = thing.contact_force() if step > 0 else (0.0, 0.0, 0.0, 0.0)
+                values.extend(value / units.force for value in force)
+            else:
+                pose = thing.pose()
+                values.extend(coordinate / units.length for coordinate in pose.position)
+                values.extend(geometry.quaternion_from_rotation(pose.rotation))
     return values
 
 
@@ -196,7 +229,7 @@ def _contact_force(state: State, units: Units) -> Iterator[float]:
     yield from (value / units.force for value in state.contact)
 
 
-_READINGS: dict[Quantity, Reading] = {
+_READINGS: dict[Quantity, Reader] = {
     "joint_angles": _angles,
     "joint_rates": _rates,
     "spring_torques": _spring_torques,

@@ -40,7 +40,7 @@ def faults(
     poses = link_poses(chain, angles, base)
     first = 0 if data.get("base") == "free" else 1
     depths = {
-        link.name: height - min(_lowest(shape, pose) for shape in link.shapes)
+        link.name: height - min(lowest(shape, pose) for shape in link.shapes)
         for link, pose in zip(chain.links[first:], poses[first:], strict=True)
         if link.shapes
     }
@@ -55,7 +55,7 @@ def faults(
         )
 
 
-def _lowest(shape: Shape, link: Pose) -> float:
+def lowest(shape: Shape, link: Pose) -> float:
     """Return the lowest height of a shape of a link at a pose [m]."""
     own = geometry.multiply(link.rotation, geometry.rotation_from_rpy(shape.rpy))
     x, y, z = own[2]  # how far up each of the shape's axes points

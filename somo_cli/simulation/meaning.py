@@ -20,6 +20,7 @@ from somo_cli.simulation import (
     ground_meaning,
     load_meaning,
     sorotraj_meaning,
+    thing_meaning,
 )
 from somo_cli.simulation.scene import PLACES_OF_FILES, name_of, per_joint
 
@@ -33,6 +34,7 @@ def faults(document: Document) -> tuple[Problem, ...]:
     problems.extend(scenes.values())
     data = document.data
     problems.extend(sorotraj_meaning.faults_of_scene(document, is_sound))
+    problems.extend(thing_meaning.faults(document, is_sound))
     channels = sorotraj_meaning.channels_of_scene(document, is_sound)
     manipulators = data.get("manipulators") if isinstance(data, Mapping) else None
     if isinstance(manipulators, list):

@@ -31,6 +31,7 @@ from somo_cli.simulation.scene import (
 from somo_cli.simulation.scene import Load as LoadOfScene
 from somo_cli.simulation.signal import Input, Signal
 from somo_cli.simulation.surface import Ground, Surface
+from somo_cli.simulation.things import Reading, Thing
 
 TORQUE = Dimension(mass=1, length=2, time=-2)
 
@@ -96,6 +97,14 @@ class Body:
 
 
 @dataclass(frozen=True, slots=True)
+class PlannedThing:
+    """One object, ready to load: in engine units, and the URDF of it."""
+
+    thing: Thing
+    urdf: str
+
+
+@dataclass(frozen=True, slots=True)
 class Plan:
     """The whole run: bodies, gravity [engine units], time step [s], and what is recorded."""
 
@@ -107,17 +116,19 @@ class Plan:
     every: int
     columns: tuple[Quantity, ...]
     ground: Ground | None
+    things: tuple[PlannedThing, ...]
+    of_things: tuple[Reading, ...]
 
     @property
     def can_touch(self) -> bool:
         """Whether there is anything that a body could touch; none touches itself."""
-        return len(self.bodies) > 1 or self.ground is not None
+        return len(self.bodies) + len(self.things) > 1 or self.ground is not None
 
 
 def make_plan(scene: Scene) -> Plan:
     """Return the plan of a scene; the only place where SI becomes engine units."""
     acceleration = scene.scale.factor(Dimension(length=1, time=-2))
-    can_touch = len(scene.manipulators) > 1 or scene.ground is not None
+    can_touch = len(scene.manipulators) + len(scene.things) > 1 or scene.ground is not None
     gx, gy, gz = scene.gravity
     return Plan(
         scale=scene.scale,
@@ -128,6 +139,8 @@ def make_plan(scene: Scene) -> Plan:
         every=scene.every,
         columns=scene.columns,
         ground=None if scene.ground is None else scaled(scene.ground, scene.scale),
+        things=tuple(_thing(one, scene.scale) for one in scene.things),
+        of_things=scene.of_things if scene.things else (),
     )
 
 
@@ -151,6 +164,11 @@ def _body(manipulator: Manipulator, scale: Scale, can_touch: bool) -> Body:
         loads=tuple(_load(scaled(entry, scale)) for entry in manipulator.loads),
         surface=scaled(manipulator.surface, scale),
     )
+
+
+def _thing(one: Thing, scale: Scale) -> PlannedThing:
+    thing = scaled(one, scale)
+    return PlannedThing(thing, urdf.render_for_engine(thing.chain, with_collisions=True))
 
 
 def _drive(actuation: Actuation, chain: Chain, scale: Scale) -> Drive:

@@ -48,6 +48,7 @@ def run(
     ]
     begin(plan, world, runners)
     units = columns.units_of(plan)
+    energy_of_things = watch.ThingsEnergy(plan, world.things)
     needs_rates = not {"joint_rates", "energy"}.isdisjoint(plan.columns)
     needs_next_rates = plan.integrator == "implicit" and needs_rates
     step = rows = 0
@@ -56,10 +57,11 @@ def run(
         _actuate(plan, runners, step)
         for runner in runners:
             runner.measure()
-        watch.check(step, plan, runners)
+        watch.check(step, plan, runners, energy_of_things.given())
         advance(step)
         is_recorded = step % plan.every == 0
         states = [_state(plan, runner, step) for runner in runners] if is_recorded else []
+        seen = columns.of_things(plan, units, world.things, step) if is_recorded else []
         until = _next_stop(plan, step, steps)
         if is_recorded and needs_next_rates:
             until = step + 1
@@ -68,7 +70,7 @@ def run(
         if is_recorded:
             if needs_next_rates:
                 _centre_rates(states, runners)
-            write(columns.row(plan, units, step * plan.time_step, states))
+            write(columns.row(plan, units, step * plan.time_step, states) + seen)
             rows += 1
         if step >= steps:
             return Summary(steps, rows, clock() - started)

@@ -20,6 +20,7 @@ from somo_cli.simulation.actuation import Actuation
 from somo_cli.simulation.signal import Interpolation
 from somo_cli.simulation.sorotraj import Trajectory, trajectory
 from somo_cli.simulation.surface import Ground, Surface
+from somo_cli.simulation.things import Reading, Thing, thing
 
 Integrator = Literal["implicit", "euler", "explicit"]
 Base = Literal["static", "free", "constrained"]
@@ -104,6 +105,7 @@ class Manipulator:
 class Scene:
     """Everything a run needs but the number of steps; SI throughout.
 
+    `of_things` is what is recorded of the objects.
     `reference` is the closed form that a study holds the results against, if there is one. Where
     the scene leaves the time step to us, `is_step_chosen` says so, and `expected_error` what error
     of the tip, relative to the length, the step was chosen with.
@@ -118,6 +120,8 @@ class Scene:
     columns: tuple[Quantity, ...]
     reference: ClosedForm | None
     ground: Ground | None
+    things: tuple[Thing, ...]
+    of_things: tuple[Reading, ...]
     is_step_chosen: bool = False
     expected_error: float | None = None
 
@@ -128,7 +132,7 @@ def is_scene(document: Document) -> bool:
     if "manipulators" in keys or keys & {"manipulator_name", "actuator_definitions"}:
         return "manipulators" in keys
     return not keys.isdisjoint(
-        {"time_step", "gravity", "integrator", "record", "reference", "ground"}
+        {"time_step", "gravity", "integrator", "record", "reference", "ground", "objects"}
     )
 
 
@@ -182,6 +186,8 @@ def read(document: Document) -> Scene:
         columns=tuple(dict.fromkeys(record.get("columns", DEFAULT_COLUMNS))),
         reference=data.get("reference"),
         ground=surface.ground(data["ground"]) if "ground" in data else None,
+        things=tuple(thing(item) for item in data.get("objects", ())),
+        of_things=tuple(dict.fromkeys(record.get("objects", ("pose",)))),
         is_step_chosen=is_chosen,
     )
 

@@ -33,6 +33,7 @@ def begin(plan: Plan, world: World, runners: Sequence[Runner]) -> None:
     for runner in runners:
         runner.assess()
     bases = [runner.world_body.base_velocity() for runner in runners]
+    velocities = [thing.linear_velocity() for thing in world.things]
     rates = [runner.law.rates.copy() for runner in runners]
     forces = []
     for runner in runners:
@@ -42,8 +43,17 @@ def begin(plan: Plan, world: World, runners: Sequence[Runner]) -> None:
         runner.pull()
         forces.append(runner.mass @ (runner.law.rates - before) / plan.time_step)
         runner.go_to_start()
+    # objects, too, live at half steps: what they were pulled by in the step is undone by half
+    halved = [
+        _half_a_step_earlier(before, thing.linear_velocity())
+        for before, thing in zip(velocities, world.things, strict=True)
+    ]
+    for thing in world.things:
+        thing.reset()
     if plan.integrator == "implicit":
         _step_back_half(plan, world, runners, forces, bases)
+        for thing, velocity in zip(world.things, halved, strict=True):
+            thing.reset(velocity)
     for runner, force, before in zip(runners, forces, rates, strict=True):
         runner.begin(force, before)
 

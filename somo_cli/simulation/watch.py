@@ -9,10 +9,12 @@ from typing import Protocol
 import numpy as np
 
 from somo_cli.manipulator import geometry
+from somo_cli.manipulator.geometry import Vector
 from somo_cli.problems import SimulationDiverged
 from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.springs import Array, Springs
 from somo_cli.simulation.vibration import largest_explicit_step
+from somo_cli.simulation.world import WorldThing
 
 ANGLE_PER_STEP = math.pi  # rad; beyond, a joint's motion cannot be told from its alias
 ENERGY_RATIO = 4.0  # to what was put in; an integrator at its accuracy limit stays well below 2
@@ -78,6 +80,42 @@ class BodyEnergy:
         return 0.5 * (np.abs(rates * (mass @ rates)) + self._springs.stiffness * deflection**2)
 
 
+class ThingsEnergy:
+    """The most energy that the objects of a scene can have given to the joints; engine units.
+
+    What they start with, and what gravity can have given them on the way they have gone.
+    """
+
+    def __init__(self, plan: Plan, things: Sequence[WorldThing]) -> None:
+        self._weight = geometry.norm(plan.gravity)
+        self._free = [
+            (one, planned.thing.chain.links[0].inertial.mass, planned.thing.position)
+            for one, planned in zip(things, plan.things, strict=True)
+            if not planned.thing.is_fixed
+        ]
+        self._started_with = sum(
+            0.5
+            * planned.thing.chain.links[0].inertial.mass
+            * _square(planned.thing.linear_velocity)
+            + 0.5
+            * max(planned.thing.chain.links[0].inertial.inertia)
+            * _square(planned.thing.angular_velocity)
+            for planned in plan.things
+            if not planned.thing.is_fixed
+        )
+        self._fallen = 0.0
+
+    def given(self) -> float:
+        """Return the bound for now."""
+        if self._free:
+            fallen = sum(
+                mass * self._weight * geometry.norm(geometry.subtract(one.pose().position, start))
+                for one, mass, start in self._free
+            )
+            self._fallen = max(self._fallen, fallen)
+        return self._started_with + self._fallen
+
+
 class Moving(Protocol):
     """What the watch needs to know of one body in motion."""
 
@@ -92,15 +130,15 @@ class Moving(Protocol):
         """Joint rates, shape (n,)."""
 
 
-def check(step: int, plan: Plan, bodies: Sequence[Moving]) -> None:
+def check(step: int, plan: Plan, bodies: Sequence[Moving], given: float = 0.0) -> None:
     """Raise SimulationDiverged if the bodies together have more energy than they can have.
 
-    Together, because contact moves energy from one to another. A joint that turns too far in one
-    step is refused as well.
+    Together, because contact moves energy from one to another; `given` is what objects may have
+    added. A joint that turns too far in one step is refused as well.
     """
     limit = ANGLE_PER_STEP / plan.time_step
     ratio = EXPLICIT_RATIO if plan.integrator == "explicit" else ENERGY_RATIO
-    present = bound = 0.0
+    present, bound = 0.0, ratio * given
     is_fast = False
     for one in bodies:
         present += one.energy.present
@@ -131,6 +169,10 @@ def _refuse(step: int, plan: Plan, bodies: Sequence[Moving]) -> None:
         reason,
         _advice(plan, body, culprit.mass_at_start),
     )
+
+
+def _square(vector: Vector) -> float:
+    return sum(value * value for value in vector)
 
 
 def _largest(values: Array) -> int:

@@ -57,12 +57,32 @@ class WorldBody(Protocol):
         """Go to the start pose with these angles and rates."""
 
 
+class WorldThing(Protocol):
+    """What a run needs of one object, engine units."""
+
+    def reset(self, linear_velocity: Vector | None = None) -> None:
+        """Put the object at its start, with another velocity if given."""
+
+    def pose(self) -> Pose:
+        """Return the pose of the object's frame, which is at its centre, in the world."""
+
+    def linear_velocity(self) -> Vector:
+        """Return the velocity of its centre."""
+
+    def contact_force(self) -> tuple[float, float, float, float]:
+        """Return the force on it of all that touches it, and the sum of the normal forces."""
+
+
 class World(Protocol):
     """What a run needs of an engine."""
 
     @property
     def bodies(self) -> Sequence[WorldBody]:
         """The bodies, in the order of the plan."""
+
+    @property
+    def things(self) -> Sequence[WorldThing]:
+        """The objects, in the order of the plan."""
 
     step: Callable[[], object]
     """Advances every body by one time step."""

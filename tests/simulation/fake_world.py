@@ -11,6 +11,7 @@ import numpy as np
 from somo_cli.manipulator.geometry import ZERO, Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.plan import Body, Plan, make_plan
+from somo_cli.simulation.world import WorldThing
 from tests.loading import scene_from_text
 from tests.manipulator.bodies import actuator, hinge, manipulator
 
@@ -105,6 +106,7 @@ class FakeWorld:
 
     def __init__(self, plan: Plan, load: float = 0.0) -> None:
         self.bodies = [FakeBody(body, plan.time_step, load) for body in plan.bodies]
+        self.things: list[WorldThing] = []
         self.at_step: dict[int, Callable[[], None]] = {}
         self.steps = 0
         self.rates: list[np.ndarray] = []

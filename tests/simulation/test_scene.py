@@ -41,6 +41,8 @@ def test_what_is_assumed() -> None:
         "every": 1,
         "reference": None,
         "ground": None,
+        "things": (),
+        "of_things": ("pose",),
         "is_step_chosen": False,
         "expected_error": None,
         "columns": ("joint_angles", "tip_position"),

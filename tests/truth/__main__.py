@@ -8,7 +8,7 @@ import dataclasses
 import itertools
 from pathlib import Path
 
-from tests.truth import against_mujoco, beams, calibrated, estimates, fitted, motion
+from tests.truth import against_mujoco, beams, calibrated, estimates, fitted, motion, touching
 from tests.truth.table import lines
 
 
@@ -18,7 +18,8 @@ def main() -> None:
     arguments.add_argument("-o", "--output", metavar="FILE", type=Path)
     options = arguments.parse_args()
     found = []
-    for section in (beams.rows, calibrated.rows, fitted.rows, motion.rows, estimates.rows):
+    sections = (beams, calibrated, fitted, motion, estimates, touching)
+    for section in (one.rows for one in sections):
         for _, part in itertools.groupby(section(), key=lambda row: row.what):
             rows = list(part)
             found += rows

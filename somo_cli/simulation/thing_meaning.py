@@ -1,0 +1,89 @@
+"""Faults of the objects of a scene: what a schema cannot say of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from somo_cli.document.parse import Document
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator.kinematics import Pose
+from somo_cli.manipulator.meaning import IsSound
+from somo_cli.problems import Pointer, Problem
+from somo_cli.simulation.ground_meaning import DEEPEST, lowest
+from somo_cli.simulation.scene import name_of
+from somo_cli.simulation.things import thing
+
+_COUNTS = {"box": 3, "cylinder": 2, "sphere": 1}
+_FORMS = {"box": "[x, y, z]", "cylinder": "[height, radius]", "sphere": "[radius]"}
+_MOTION = ("linear_velocity", "angular_velocity")
+
+
+def faults(document: Document, is_sound: IsSound) -> Iterator[Problem]:
+    """Yield the faults of all objects of a scene, skipping unsound ones."""
+    scene = document.data
+    objects = scene.get("objects") if isinstance(scene, Mapping) else None
+    names = _names_of_manipulators(scene)
+    for index, item in enumerate(objects if isinstance(objects, list) else ()):
+        at: Pointer = ("objects", index)
+        if not isinstance(item, Mapping) or not is_sound(at):
+            continue
+        own = list(_own_faults(document, at, item))
+        yield from own
+        if item["name"] in names:
+            message = f"there is another '{item['name']}' in the scene"
+            yield Problem(document.span((*at, "name")), message, "give it a name of its own")
+        names.add(item["name"])
+        if not own and isinstance(scene, Mapping) and is_sound(("ground",)):
+            yield from _ground_faults(document, at, item, scene.get("ground"))
+
+
+def _names_of_manipulators(scene: object) -> set[str]:
+    data: Any = scene
+    manipulators = data.get("manipulators") if isinstance(data, Mapping) else None
+    names: set[str] = set()
+    for item in manipulators if isinstance(manipulators, list) else ():
+        try:
+            names.add(name_of(item))
+        except (KeyError, TypeError, AttributeError):
+            continue  # told where manipulators are judged
+    return names
+
+
+def _own_faults(document: Document, at: Pointer, data: Mapping[str, Any]) -> Iterator[Problem]:
+    shape, found = data["shape_type"], len(data["dimensions"])
+    if found != _COUNTS[shape]:
+        yield Problem(
+            document.span((*at, "dimensions")),
+            f"a {shape} has {_COUNTS[shape]} dimensions, found {found}",
+            f"they are {_FORMS[shape]}",
+        )
+    if not data.get("fixed", False):
+        if "mass" not in data:
+            message = "a free object needs a mass"
+            yield Problem(document.span(at, key=True), message, "add mass, or set fixed: true")
+        return
+    for key in _MOTION:
+        if key in data:
+            yield Problem(
+                document.span((*at, key), key=True),
+                f"{key} is for an object that can move, this one is fixed",
+                "leave it out, or set fixed: false",
+            )
+
+
+def _ground_faults(
+    document: Document, at: Pointer, data: Mapping[str, Any], ground: Any
+) -> Iterator[Problem]:
+    if ground is None or data.get("fixed", False):
+        return  # what is fixed may stand in the ground, with which it cannot collide
+    one = thing(data)
+    pose = Pose(one.position, geometry.rotation_from_rpy(one.rpy))
+    (shape,) = one.chain.links[0].shapes
+    depth = float(ground.get("height", 0)) - lowest(shape, pose)
+    if depth > DEEPEST * one.chain.length:
+        yield Problem(
+            document.span((*at, "position")),
+            f"it starts {depth:.3g} m inside the ground",
+            "raise it with position, or lower the ground with its height",
+        )

@@ -1,0 +1,64 @@
+"""Objects of a scene, fixed or free: rigid bodies of one solid, which nothing of ours drives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from somo_cli.manipulator import geometry, solids
+from somo_cli.manipulator.chain import Chain, Link, Shape
+from somo_cli.manipulator.definition import Material
+from somo_cli.manipulator.dimensions import (
+    Angle,
+    AngularRate,
+    Length,
+    Velocity,
+)
+from somo_cli.manipulator.read import solid_from
+from somo_cli.manipulator.solids import Inertial
+from somo_cli.simulation.surface import Surface
+
+Reading = Literal["pose", "contact_force"]
+
+FIXED_MASS = 1.0  # kg, of what cannot move and so needs none
+_MATERIAL = Material("object", (0.8, 0.6, 0.3, 1.0))
+
+
+@dataclass(frozen=True, slots=True)
+class Thing:
+    """An object: a chain of one link, centred on its frame, and how it starts, in the world."""
+
+    name: str
+    chain: Chain
+    is_fixed: bool
+    position: tuple[Length, Length, Length]
+    rpy: tuple[Angle, Angle, Angle]
+    linear_velocity: tuple[Velocity, Velocity, Velocity]
+    angular_velocity: tuple[AngularRate, AngularRate, AngularRate]
+    surface: Surface
+
+
+def thing(data: Mapping[str, Any]) -> Thing:
+    """Return the object that a sound mapping describes; its inertia is that of the solid."""
+    name = str(data["name"])
+    solid = solid_from(data["shape_type"], [float(value) for value in data["dimensions"]])
+    mass = float(data.get("mass", FIXED_MASS))
+    inertial = Inertial(mass, geometry.ZERO, solids.inertia(solid, mass))
+    shape = Shape(solid, geometry.ZERO, geometry.ZERO, _MATERIAL, 1.0)
+    link = Link("object", inertial, (shape,))
+    return Thing(
+        name=name,
+        chain=Chain(name, (link,), (), geometry.ZERO, solids.height(solid)),
+        is_fixed=bool(data.get("fixed", False)),
+        position=_three(data.get("position", (0, 0, 0))),
+        rpy=_three(data.get("rpy", (0, 0, 0))),
+        linear_velocity=_three(data.get("linear_velocity", (0, 0, 0))),
+        angular_velocity=_three(data.get("angular_velocity", (0, 0, 0))),
+        surface=Surface(float(data.get("friction", 0.5))),
+    )
+
+
+def _three(values: Any) -> tuple[float, float, float]:
+    x, y, z = values
+    return (float(x), float(y), float(z))
