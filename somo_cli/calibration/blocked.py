@@ -36,7 +36,7 @@ def blocked(
 
     The actuator is clamped by itself, weightless and straight at rest; what is pressed on is at
     the place of the straight actuator. None where there is no such equilibrium near the straight
-    pose, and for torsion, where the rule of small angles is exact.
+    pose, without springs, and for torsion, where the rule of small angles is exact.
     """
     if levers.kind == "torsion":
         return None
@@ -45,6 +45,8 @@ def blocked(
         return Blocked(0.0, np.zeros(one.n_segments))
     alone = chain.build(replace(definition, base=None, actuators=(one,), tips=()))
     body = ChainDynamics(alone)
+    if not (body.stiffness > 0).all():
+        return None
     drives = np.array([joint.channel == axis for joint in alone.joints], dtype=float)
     places = np.cumsum([joint.origin[2] for joint in alone.joints])
     link = int(np.sum(places < levers.at))

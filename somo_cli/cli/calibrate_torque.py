@@ -164,8 +164,8 @@ def _pressed(
     for one in found:
         if springs is not None and one.equilibrium is None and known.levers.kind == "bending":
             terminal.say(
-                f"somo: warning: at {one.force:g} N there is no equilibrium near the straight "
-                "pose; the rule of small angles is used"
+                f"somo: warning: at {one.force:g} N no equilibrium near the straight pose is found "
+                "with the springs of the definition; the rule of small angles is used"
             )
     return found
 

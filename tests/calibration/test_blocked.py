@@ -73,6 +73,11 @@ def test_a_force_that_nothing_can_hold_has_no_torque() -> None:
     assert blocked(definition, 0, 0, known, 1e4) is None
 
 
+def test_without_springs_there_is_no_equilibrium() -> None:
+    definition = definition_of(actuator(5, hinge(1, 0, 0, spring_stiffness=0)))
+    assert blocked(definition, 0, 0, of_definition(definition, 0, 0), 1.0) is None
+
+
 def test_no_force_takes_no_torque() -> None:
     definition = definition_of(actuator(5, X))
     found = blocked(definition, 0, 0, of_definition(definition, 0, 0), 0.0)
