@@ -60,6 +60,14 @@ def refuse_scene(document: Document) -> None:
         raise InvalidFile([problem], document.texts)
 
 
+def refuse_several(document: Document, found: scene.Scene, what_is: str) -> None:
+    """Raise InvalidFile for a scene of more than one manipulator, where `what_is` about one."""
+    if len(found.manipulators) > 1:
+        place = document.span(("manipulators", 1))
+        message = f"there are several manipulators, and {what_is} about one"
+        raise InvalidFile([Problem(place, message, "give a scene of one")], document.texts)
+
+
 def as_scene(document: Document) -> Document:
     """Return a scene as it is, and a definition as the scene of that one manipulator."""
     return document if scene.is_scene(document) else scene.scene_of_one(document)

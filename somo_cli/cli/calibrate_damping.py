@@ -136,10 +136,7 @@ def _scene(path: str) -> "tuple[Document, Scene]":
     terminal.say_problems(warnings, document.texts)
     if not is_scene(document):
         found = dataclasses.replace(found, gravity=(0.0, 0.0, 0.0))
-    if len(found.manipulators) > 1:
-        place = document.span(("manipulators", 1))
-        message = "there are several manipulators, and it is about one"
-        raise InvalidFile([Problem(place, message, "give a scene of one")], document.texts)
+    loading.refuse_several(document, found, "it is")
     return document, found
 
 

@@ -10,7 +10,6 @@ from somo_cli import terminal
 from somo_cli.cli.calibrate import JsonOption, PatchOption, WriteOption, calibrate, table_of
 from somo_cli.cli.calibrate_result import keep, require_targets
 from somo_cli.cli.door import EXIT_CODES, ending, require
-from somo_cli.problems import InvalidFile, Problem
 
 if TYPE_CHECKING:
     from somo_cli.calibration.fit import Fit
@@ -76,10 +75,7 @@ def fit(
     planned, warnings = loading.scene_of(document)
     terminal.say_problems(warnings, document.texts)
     document = loading.as_scene(document)
-    if len(planned.manipulators) > 1:
-        place = document.span(("manipulators", 1))
-        message = "there are several manipulators, and a fit is about one"
-        raise InvalidFile([Problem(place, message, "give a scene of one")], document.texts)
+    loading.refuse_several(document, planned, "a fit is")
     require_targets(document, write, patch)
     table = table_of(data)
     require_columns(table, (TIME,), TIME, LEAST_ROWS, "a fit")

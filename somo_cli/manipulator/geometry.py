@@ -6,6 +6,7 @@ The compiler stays free of numpy so that `somo build` starts fast.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import TypeAlias
 
 Vector: TypeAlias = tuple[float, float, float]
@@ -15,6 +16,12 @@ Tensor: TypeAlias = tuple[float, float, float, float, float, float]
 
 IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 ZERO: Vector = (0.0, 0.0, 0.0)
+
+
+def vector(values: Iterable[float]) -> Vector:
+    """Return three numbers as a vector. Raises ValueError if there are more or fewer."""
+    x, y, z = values
+    return (float(x), float(y), float(z))
 
 
 def add(a: Vector, b: Vector) -> Vector:

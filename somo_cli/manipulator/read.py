@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from somo_cli.document.parse import Document
-from somo_cli.manipulator import placement
+from somo_cli.manipulator import geometry, placement
 from somo_cli.manipulator.definition import (
     ActuatorDefinition,
     Definition,
@@ -16,7 +16,6 @@ from somo_cli.manipulator.definition import (
     WorldScale,
 )
 from somo_cli.manipulator.dimensions import Scale
-from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.solids import Box, Cylinder, Solid, Sphere
 from somo_cli.problems import Pointer
 
@@ -61,8 +60,8 @@ def link_from(data: Mapping[str, Any]) -> LinkDefinition:
         mass=float(data["mass"]),
         inertia=None if inertia is None else _six(inertia),
         material=Material(data.get("material_name") or "grey", _four(rgba)),
-        offset=_three(offset[:3]),
-        offset_rpy=_three(offset[3:]),
+        offset=geometry.vector(offset[:3]),
+        offset_rpy=geometry.vector(offset[3:]),
         visual_factor=float(data.get("visual_geometry_scaling_factor") or 1.0),
     )
 
@@ -70,7 +69,7 @@ def link_from(data: Mapping[str, Any]) -> LinkDefinition:
 def solid_from(shape_type: str, dimensions: list[float]) -> Solid:
     """Return the solid that has the mass of a link of this shape."""
     if shape_type in ("box", "stadium"):
-        return Box(_three(dimensions))
+        return Box(geometry.vector(dimensions))
     if shape_type in ("cylinder", "capsule"):
         return Cylinder(dimensions[0], dimensions[1])
     return Sphere(dimensions[0])
@@ -100,7 +99,7 @@ def _joint(data: Mapping[str, Any]) -> JointDefinition:
     per_pressure = data.get("torque_per_pressure")
     return JointDefinition(
         joint_type=data["joint_type"],
-        axis=_three(data.get("axis") or (1, 0, 0)),
+        axis=geometry.vector(data.get("axis") or (1, 0, 0)),
         lower=float(lower),
         upper=float(upper),
         effort=float(effort),
@@ -110,13 +109,8 @@ def _joint(data: Mapping[str, Any]) -> JointDefinition:
         neutral_position=float(data.get("joint_neutral_position") or 0),
         friction=float(data.get("joint_control_limit_force") or 0),
         torque_per_pressure=None if per_pressure is None else float(per_pressure),
-        offset=_three(offset[:3]),
+        offset=geometry.vector(offset[:3]),
     )
-
-
-def _three(values: Any) -> Vector:
-    x, y, z = values
-    return (float(x), float(y), float(z))
 
 
 def _four(values: Any) -> tuple[float, float, float, float]:

@@ -127,7 +127,7 @@ class BulletBody:
             )
         # seen in 3.2.7: base rates go in as (angular, linear) in the base's own axes, base forces
         # come out as (linear, angular); linear rates change nothing here
-        in_world = _vector(spin) if self._is_free else geometry.ZERO
+        in_world = geometry.vector(spin) if self._is_free else geometry.ZERO
         x, y, z = geometry.rotate(geometry.transposed(self._base_axes()), in_world)
         forces = np.array(
             inverse(
@@ -168,8 +168,8 @@ class BulletBody:
         In the base's own axes, as `bias` gives them.
         """
         axes = self._base_axes()
-        torque = geometry.rotate(axes, _vector(wrench[:3]))
-        force = geometry.rotate(axes, _vector(wrench[3:]))
+        torque = geometry.rotate(axes, geometry.vector(wrench[:3]))
+        force = geometry.rotate(axes, geometry.vector(wrench[3:]))
         bullet, client, world = self._bullet, self._client, self._bullet.WORLD_FRAME
         centre, _ = bullet.getBasePositionAndOrientation(self.index, client)
         bullet.applyExternalForce(self.index, -1, force, centre, world, physicsClientId=client)
@@ -334,8 +334,3 @@ def contact_force(bullet: Any, client: int, body: int) -> tuple[float, float, fl
             x, y, z = direction
             total = geometry.add(total, (size * x, size * y, size * z))
     return (*total, pressed)
-
-
-def _vector(values: Sequence[float] | Array) -> Vector:
-    x, y, z = values
-    return (float(x), float(y), float(z))

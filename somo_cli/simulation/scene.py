@@ -178,7 +178,7 @@ def read(document: Document) -> Scene:
     is_chosen = time_step == AUTO
     return Scene(
         time_step=DEFAULT_TIME_STEP if is_chosen else float(time_step),
-        gravity=_vector(data.get("gravity", DEFAULT_GRAVITY)),
+        gravity=geometry.vector(data.get("gravity", DEFAULT_GRAVITY)),
         integrator=data.get("integrator", "implicit"),
         scale=scale,
         manipulators=manipulators,
@@ -200,13 +200,13 @@ def _manipulator(
     return Manipulator(
         name=name_of(data),
         compiled=compiled,
-        position=_vector(data.get("position", (0, 0, 0))),
-        rpy=_vector(data.get("rpy", (0, 0, 0))),
+        position=geometry.vector(data.get("position", (0, 0, 0))),
+        rpy=geometry.vector(data.get("rpy", (0, 0, 0))),
         base=data.get("base", "static"),
         initial_angles=per_joint(data.get("initial_angles", 0), count),
         initial_rates=per_joint(data.get("initial_rates", 0), count),
-        linear_velocity=_vector(data.get("linear_velocity", (0, 0, 0))),
-        angular_velocity=_vector(data.get("angular_velocity", (0, 0, 0))),
+        linear_velocity=geometry.vector(data.get("linear_velocity", (0, 0, 0))),
+        angular_velocity=geometry.vector(data.get("angular_velocity", (0, 0, 0))),
         actuation=tuple(
             one
             for item in data.get("actuation", ())
@@ -229,15 +229,15 @@ def per_joint(value: Any, count: int) -> tuple[float, ...]:
 
 def _load(data: Any, chain: Chain) -> Load:
     link = data.get("link", "tip")
-    point = _vector(data.get("point", (0, 0, 0)))
+    point = geometry.vector(data.get("point", (0, 0, 0)))
     if link == "tip":
         point = geometry.add(chain.tip, point)
     waypoints = data.get("waypoints", ((0, 1),))
     return Load(
         link=link_index(link, chain),
         point=point,
-        force=_vector(data.get("force", (0, 0, 0))),
-        moment=_vector(data.get("moment", (0, 0, 0))),
+        force=geometry.vector(data.get("force", (0, 0, 0))),
+        moment=geometry.vector(data.get("moment", (0, 0, 0))),
         frame=data.get("frame", "world"),
         waypoints=tuple((float(time), float(factor)) for time, factor in waypoints),
         interpolation=data.get("interpolation", "linear"),
@@ -252,8 +252,3 @@ def link_index(name: str, chain: Chain) -> int:
     """
     names = [link.name for link in chain.links]
     return len(names) - 1 if name == "tip" else names.index(name)
-
-
-def _vector(values: Any) -> Vector:
-    x, y, z = values
-    return (float(x), float(y), float(z))

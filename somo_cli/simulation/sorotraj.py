@@ -29,11 +29,6 @@ class Trajectory:
     times: tuple[float, ...]
     values: tuple[tuple[float, ...], ...]
 
-    @property
-    def channels(self) -> int:
-        """Number of channels."""
-        return len(self.values[0])
-
     def mixed(self, weights: Sequence[float]) -> tuple[tuple[float, float], ...]:
         """Return (time, value) pairs of one sum of the channels, each times its weight."""
         return tuple(

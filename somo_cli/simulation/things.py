@@ -51,14 +51,9 @@ def thing(data: Mapping[str, Any]) -> Thing:
         name=name,
         chain=Chain(name, (link,), (), geometry.ZERO, solids.height(solid)),
         is_fixed=bool(data.get("fixed", False)),
-        position=_three(data.get("position", (0, 0, 0))),
-        rpy=_three(data.get("rpy", (0, 0, 0))),
-        linear_velocity=_three(data.get("linear_velocity", (0, 0, 0))),
-        angular_velocity=_three(data.get("angular_velocity", (0, 0, 0))),
+        position=geometry.vector(data.get("position", (0, 0, 0))),
+        rpy=geometry.vector(data.get("rpy", (0, 0, 0))),
+        linear_velocity=geometry.vector(data.get("linear_velocity", (0, 0, 0))),
+        angular_velocity=geometry.vector(data.get("angular_velocity", (0, 0, 0))),
         surface=Surface(float(data.get("friction", 0.5))),
     )
-
-
-def _three(values: Any) -> tuple[float, float, float]:
-    x, y, z = values
-    return (float(x), float(y), float(z))

@@ -88,21 +88,17 @@ class ThingsEnergy:
 
     def __init__(self, plan: Plan, things: Sequence[WorldThing]) -> None:
         self._weight = geometry.norm(plan.gravity)
-        self._free = [
-            (one, planned.thing.chain.links[0].inertial.mass, planned.thing.position)
-            for one, planned in zip(things, plan.things, strict=True)
-            if not planned.thing.is_fixed
-        ]
-        self._started_with = sum(
-            0.5
-            * planned.thing.chain.links[0].inertial.mass
-            * _square(planned.thing.linear_velocity)
-            + 0.5
-            * max(planned.thing.chain.links[0].inertial.inertia)
-            * _square(planned.thing.angular_velocity)
-            for planned in plan.things
-            if not planned.thing.is_fixed
-        )
+        self._free: list[tuple[WorldThing, float, Vector]] = []
+        self._started_with = 0.0
+        for one, planned in zip(things, plan.things, strict=True):
+            thing = planned.thing
+            if thing.is_fixed:
+                continue
+            inertial = thing.chain.links[0].inertial
+            self._free.append((one, inertial.mass, thing.position))
+            straight = 0.5 * inertial.mass * _square(thing.linear_velocity)
+            turning = 0.5 * max(inertial.inertia) * _square(thing.angular_velocity)
+            self._started_with += straight + turning
         self._fallen = 0.0
 
     def given(self) -> float:
