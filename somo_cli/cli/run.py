@@ -1,11 +1,13 @@
 """somo run: a scene to a trajectory in CSV."""
 
+import dataclasses
 import json
+import os
 import time
 from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
@@ -29,6 +31,9 @@ if TYPE_CHECKING:
     from somo_cli.simulation.recorder import RowSpool
     from somo_cli.simulation.run import Summary
     from somo_cli.simulation.scene import Scene
+
+Targets: TypeAlias = tuple[str, str | None]
+"""Where rows go, and where events go if anywhere."""
 
 
 @app.command(epilog=EXIT_CODES)
@@ -64,6 +69,23 @@ def run(
             help="Run again at half the step, and say the estimated error of every column.",
         ),
     ] = False,
+    record: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--record",
+            metavar="PATTERN",
+            help="Record the columns whose name matches, such as 'finger.tip.*', and no others, "
+            "whatever the scene records. Repeatable.",
+        ),
+    ] = None,
+    events: Annotated[
+        str | None,
+        typer.Option(
+            "--events",
+            metavar="FILE",
+            help="Where to write beginnings and ends of contacts as CSV; - is standard output.",
+        ),
+    ] = None,
     sets: SetOption = None,
     quiet: QuietOption = False,
 ) -> None:
@@ -77,9 +99,38 @@ def run(
     document = loading.load(scene, sets or [])
     planned, warnings = loading.scene_of(document, every, step)
     terminal.say_problems(warnings, document.texts)
+    if record:
+        planned = _recording(planned, record)
     target = output or f"{Path(scene).stem}.csv"
     refuse_overwriting(document, target)
-    _simulate(planned, document, steps, target, sets or [], with_error, quiet)
+    targets = target, _target_of_events(planned, target, events)
+    if targets[1] is not None:
+        refuse_overwriting(document, targets[1], "--events")
+    _simulate(planned, document, steps, targets, sets or [], with_error, quiet)
+
+
+def _recording(scene: "Scene", patterns: Sequence[str]) -> "Scene":
+    """Return the scene with columns picked from all there are."""
+    from somo_cli.simulation.record_meaning import hint_for
+    from somo_cli.simulation.scene import ALL_COLUMNS, ALL_READINGS
+
+    whole = dataclasses.replace(scene, columns=ALL_COLUMNS, of_things=ALL_READINGS)
+    for pattern in patterns:
+        hint = hint_for(whole, pattern)
+        require(hint is None, "--record", f"no column matches {pattern!r}; {hint}")
+    return dataclasses.replace(whole, only=tuple(patterns))
+
+
+def _target_of_events(scene: "Scene", output: str, events: str | None) -> str | None:
+    """Return where events go: beside the output unless told; nowhere if nobody asks for them."""
+    if events is None and scene.has_events:
+        message = "the scene records events, and there is no file to put them beside: name one"
+        require(output != "-" and not files.is_direct(output), "--events", message)
+        return _beside(output, "events.csv")
+    if events is not None:
+        is_same = os.path.realpath(events) == os.path.realpath(output)
+        require(not is_same, "--events", f"{events} is where the rows go")
+    return events
 
 
 def _step(text: str | None) -> "float | Auto | None":
@@ -101,7 +152,7 @@ def _simulate(
     scene: "Scene",
     document: "Document",
     steps: int,
-    output: str,
+    targets: Targets,
     sets: Sequence[str],
     with_error: bool,
     quiet: bool,
@@ -112,30 +163,40 @@ def _simulate(
     from somo_cli.simulation.recorder import RowSpool
 
     plan = make_plan(scene)
+    output, of_events = targets
     names = columns.header(plan)
     with files.spool() if with_error else nullcontext() as kept:
         spool = None if kept is None else RowSpool(kept, len(names))
-        summary = _recorded(plan, steps, output, names, spool)
+        summary, events = _recorded(plan, steps, targets, names, spool)
         about = metadata(
             plan, summary, document.texts, sets, names, scene.is_step_chosen, scene.expected_error
         )
+        if events is not None:
+            about["events"] = events
         told, failure = None, None
         if spool is not None:
             try:
-                told = _estimated(plan, spool, steps)
+                told = _estimated(plan, spool, summary.steps)
                 about["error"] = _plain(told, names[1:])
             except SimulationDiverged as error:
                 about["error"], failure = None, error
     if output != "-" and not files.is_direct(output):
-        files.write_whole(_beside(output), json.dumps(about, indent=2) + "\n")
+        files.write_whole(_beside(output, "meta.json"), json.dumps(about, indent=2) + "\n")
     if not quiet:
+        if summary.stopped is not None:
+            time_of_end = f"{summary.steps * plan.time_step:.9g} s"
+            number, reason = summary.stopped.condition, summary.stopped.reason
+            terminal.say(f"stopped at {time_of_end} by stop[{number}]: {reason}")
         target = "standard output" if output == "-" else output
         chosen = f", time step {plan.time_step:g} s" if scene.is_step_chosen else ""
         terminal.say(
             f"{target}: {summary.rows} rows of {len(names)} columns; "
-            f"{steps * plan.time_step:g} s in {summary.wall_time:.3g} s{chosen}, "
+            f"{summary.steps * plan.time_step:g} s in {summary.wall_time:.3g} s{chosen}, "
             f"{about['steps_per_second'] or 0:.0f} steps per second"
         )
+        if of_events is not None:
+            place = "standard output" if of_events == "-" else of_events
+            terminal.say(f"{place}: {events} events")
     if told is not None:
         terminal.say_lines(_table(told, names[1:]))
     if failure is not None:
@@ -144,25 +205,37 @@ def _simulate(
 
 
 def _recorded(
-    plan: "Plan", steps: int, output: str, names: Sequence[str], spool: "RowSpool | None"
-) -> "Summary":
+    plan: "Plan",
+    steps: int,
+    targets: Targets,
+    names: Sequence[str],
+    spool: "RowSpool | None",
+) -> "tuple[Summary, int | None]":
+    """Simulate into the files; return what happened and how many events there were, if asked."""
     from somo_cli.simulation.bullet import BulletWorld
+    from somo_cli.simulation.events import EventRecorder
     from somo_cli.simulation.recorder import CsvRecorder
     from somo_cli.simulation.run import run as simulate
 
+    output, of_events = targets
     try:
-        # the output comes first: the world takes standard output away from the engine
+        # the outputs come first: the world takes standard output away from the engine
         with (
             files.partial(output) as stream,
+            nullcontext() if of_events is None else files.partial(of_events) as event_stream,
             BulletWorld(plan) as world,
             terminal.progress(steps, "simulating") as advance,
         ):
             recorder = CsvRecorder(stream, names, flush_rows=output == "-")
+            events = None if event_stream is None else EventRecorder(event_stream, plan)
             write = recorder.write if spool is None else spool.onward_to(recorder.write)
-            return simulate(plan, world, write, steps, time.perf_counter, advance)
+            tell = None if events is None else events.write
+            summary = simulate(plan, world, write, steps, time.perf_counter, advance, tell)
+            return summary, None if events is None else events.events
     except (SimulationDiverged, KeyboardInterrupt):
-        if output != "-" and Path(f"{output}.partial").exists():
-            terminal.say(f"somo: the rows so far are in {output}.partial")
+        for target in targets:
+            if target not in (None, "-") and Path(f"{target}.partial").exists():
+                terminal.say(f"somo: the rows so far are in {target}.partial")
         raise
 
 
@@ -198,7 +271,7 @@ def _table(told: "Estimate", names: Sequence[str]) -> list[str]:
     ]
 
 
-def _beside(output: str) -> str:
+def _beside(output: str, ending: str) -> str:
     path = Path(output)
     stem = path.name.removesuffix(".csv")
-    return str(path.with_name(f"{stem}.meta.json"))
+    return str(path.with_name(f"{stem}.{ending}"))
