@@ -61,7 +61,7 @@ class State:
         return link_poses(self.body.chain, self.angles, self.base_pose)
 
 
-Reader: TypeAlias = Callable[[State, Units], Iterator[float]]
+Reader: TypeAlias = Callable[[State, Units], Sequence[float]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,69 +171,78 @@ def _channels(body: Body) -> list[tuple[int, int]]:
     return sorted({(joint.actuator, joint.channel) for joint in body.chain.joints})
 
 
-def _angles(state: State, units: Units) -> Iterator[float]:
-    yield from state.angles
+def _angles(state: State, units: Units) -> Sequence[float]:
+    return state.angles
 
 
-def _rates(state: State, units: Units) -> Iterator[float]:
-    yield from state.rates
+def _rates(state: State, units: Units) -> Sequence[float]:
+    return state.rates
 
 
-def _spring_torques(state: State, units: Units) -> Iterator[float]:
-    for joint, angle in zip(state.body.chain.joints, state.angles, strict=True):
-        yield -joint.stiffness * (angle - joint.neutral_position) / units.torque
+def _spring_torques(state: State, units: Units) -> Sequence[float]:
+    return [
+        -joint.stiffness * (angle - joint.neutral_position) / units.torque
+        for joint, angle in zip(state.body.chain.joints, state.angles, strict=True)
+    ]
 
 
-def _actuation(state: State, units: Units) -> Iterator[float]:
+def _actuation(state: State, units: Units) -> Sequence[float]:
     by_channel: dict[tuple[int, int], float] = {}
     for joint, torque in zip(state.body.chain.joints, state.actuation, strict=True):
         by_channel.setdefault((joint.actuator, joint.channel), torque)
-    for channel in _channels(state.body):
-        yield by_channel[channel] / units.torque
+    return [by_channel[channel] / units.torque for channel in _channels(state.body)]
 
 
-def _curvatures(state: State, units: Units) -> Iterator[float]:
-    for joint, angle in zip(state.body.chain.joints, state.angles, strict=True):
-        yield angle / (joint.span / units.length)
+def _curvatures(state: State, units: Units) -> Sequence[float]:
+    return [
+        angle / (joint.span / units.length)
+        for joint, angle in zip(state.body.chain.joints, state.angles, strict=True)
+    ]
 
 
-def _link_positions(state: State, units: Units) -> Iterator[float]:
-    for pose in state.poses:
-        yield from (coordinate / units.length for coordinate in pose.position)
+def _link_positions(state: State, units: Units) -> Sequence[float]:
+    length = units.length
+    return [coordinate / length for pose in state.poses for coordinate in pose.position]
 
 
-def _link_orientations(state: State, units: Units) -> Iterator[float]:
-    for pose in state.poses:
-        yield from geometry.quaternion_from_rotation(pose.rotation)
+def _link_orientations(state: State, units: Units) -> Sequence[float]:
+    return [
+        component
+        for pose in state.poses
+        for component in geometry.quaternion_from_rotation(pose.rotation)
+    ]
 
 
-def _base_pose(state: State, units: Units) -> Iterator[float]:
-    yield from (coordinate / units.length for coordinate in state.base_pose.position)
-    yield from geometry.quaternion_from_rotation(state.base_pose.rotation)
+def _base_pose(state: State, units: Units) -> Sequence[float]:
+    pose, length = state.base_pose, units.length
+    turn = geometry.quaternion_from_rotation(pose.rotation)
+    return [*(coordinate / length for coordinate in pose.position), *turn]
 
 
-def _tip_position(state: State, units: Units) -> Iterator[float]:
+def _tip_position(state: State, units: Units) -> Sequence[float]:
     tip = state.poses[-1].point(state.body.chain.tip)
-    yield from (coordinate / units.length for coordinate in tip)
+    return [coordinate / units.length for coordinate in tip]
 
 
-def _energy(state: State, units: Units) -> Iterator[float]:
+def _energy(state: State, units: Units) -> Sequence[float]:
     pose = state.dynamics().at(state.angles, state.base_pose)
     velocity, spin = state.base_velocity
-    yield pose.kinetic_energy([*spin, *velocity, *state.rates]) / units.torque
-    yield pose.elastic_energy() / units.torque
-    yield pose.gravity_energy(state.gravity) / units.torque
+    return [
+        pose.kinetic_energy([*spin, *velocity, *state.rates]) / units.torque,
+        pose.elastic_energy() / units.torque,
+        pose.gravity_energy(state.gravity) / units.torque,
+    ]
 
 
-def _contact_force(state: State, units: Units) -> Iterator[float]:
+def _contact_force(state: State, units: Units) -> Sequence[float]:
     return contact_columns.total(state.touches, state.number, units)
 
 
-def _contact_pairs(state: State, units: Units) -> Iterator[float]:
+def _contact_pairs(state: State, units: Units) -> Sequence[float]:
     return contact_columns.pairs(state.touches, state.number, state.others, units)
 
 
-def _link_contact_forces(state: State, units: Units) -> Iterator[float]:
+def _link_contact_forces(state: State, units: Units) -> Sequence[float]:
     count = len(state.body.chain.links)
     return contact_columns.links(state.touches, state.number, count, units)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 from somo_cli.simulation import touching
 from somo_cli.simulation.plan import Plan
@@ -33,23 +33,27 @@ def pair_names(plan: Plan, number: int) -> list[str]:
     return [f"contact.{names[other]}.{one}" for other in others_of(plan, number) for one in LOAD]
 
 
-def total(touches: Sequence[Touch], number: int, units: Units) -> Iterator[float]:
-    """Yield the force of all that touches a body or an object, and the sum of normal forces."""
+def total(touches: Sequence[Touch], number: int, units: Units) -> Sequence[float]:
+    """Return the force of all that touches a body or an object, and the sum of normal forces."""
     force = touching.total(touching.on(touches, number))
-    yield from (value / units.force for value in force)
+    return [value / units.force for value in force]
 
 
 def pairs(
     touches: Sequence[Touch], number: int, others: Sequence[int], units: Units
-) -> Iterator[float]:
-    """Yield what each of the others does to a body or an object."""
-    for other in others:
-        load = touching.load(touching.between(touches, number, other))
-        yield from (value / units.force for value in load)
+) -> Sequence[float]:
+    """Return what each of the others does to a body or an object."""
+    return [
+        value / units.force
+        for other in others
+        for value in touching.load(touching.between(touches, number, other))
+    ]
 
 
-def links(touches: Sequence[Touch], number: int, count: int, units: Units) -> Iterator[float]:
-    """Yield what touches each of the `count` links of a body."""
-    for link in range(count):
-        load = touching.load(touching.on_link(touches, (number, link)))
-        yield from (value / units.force for value in load)
+def links(touches: Sequence[Touch], number: int, count: int, units: Units) -> Sequence[float]:
+    """Return what touches each of the `count` links of a body."""
+    return [
+        value / units.force
+        for link in range(count)
+        for value in touching.load(touching.on_link(touches, (number, link)))
+    ]

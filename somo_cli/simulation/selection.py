@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
@@ -15,12 +15,9 @@ class Kept:
     places: tuple[int, ...]
     is_whole: bool
 
-    def of(self, values: Iterator[float]) -> Iterator[float] | list[float]:
+    def of(self, values: Sequence[float]) -> Sequence[float]:
         """Return of the values of all columns at hand those of the kept ones."""
-        if self.is_whole:
-            return values
-        every = list(values)
-        return [every[place] for place in self.places]
+        return values if self.is_whole else [values[place] for place in self.places]
 
 
 def kept(patterns: Sequence[str], names: Sequence[str]) -> Kept:

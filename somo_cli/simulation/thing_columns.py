@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -42,7 +42,7 @@ class ThingState:
     touches: Sequence[Touch] = ()
 
 
-ThingReader: TypeAlias = Callable[[ThingState, Units], Iterator[float]]
+ThingReader: TypeAlias = Callable[[ThingState, Units], Sequence[float]]
 
 
 def names(plan: Plan, index: int, reading: Reading) -> Sequence[str]:
@@ -52,26 +52,26 @@ def names(plan: Plan, index: int, reading: Reading) -> Sequence[str]:
     return _NAMES[reading]
 
 
-def _pose(state: ThingState, units: Units) -> Iterator[float]:
-    yield from (coordinate / units.length for coordinate in state.pose.position)
-    yield from geometry.quaternion_from_rotation(state.pose.rotation)
+def _pose(state: ThingState, units: Units) -> Sequence[float]:
+    pose, length = state.pose, units.length
+    turn = geometry.quaternion_from_rotation(pose.rotation)
+    return [*(coordinate / length for coordinate in pose.position), *turn]
 
 
-def _velocity(state: ThingState, units: Units) -> Iterator[float]:
+def _velocity(state: ThingState, units: Units) -> Sequence[float]:
     linear, spin = state.velocity
-    yield from (coordinate / units.length for coordinate in linear)
-    yield from spin
+    return [*(coordinate / units.length for coordinate in linear), *spin]
 
 
-def _angles(state: ThingState, units: Units) -> Iterator[float]:
-    yield from state.turned
+def _angles(state: ThingState, units: Units) -> Sequence[float]:
+    return state.turned
 
 
-def _contact_force(state: ThingState, units: Units) -> Iterator[float]:
+def _contact_force(state: ThingState, units: Units) -> Sequence[float]:
     return contact_columns.total(state.touches, state.number, units)
 
 
-def _contact_pairs(state: ThingState, units: Units) -> Iterator[float]:
+def _contact_pairs(state: ThingState, units: Units) -> Sequence[float]:
     return contact_columns.pairs(state.touches, state.number, state.others, units)
 
 
