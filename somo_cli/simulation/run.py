@@ -115,6 +115,8 @@ def _step(
         pull()
     if contacts is not None:
         contacts.look(first + 1, world.touches())
+    if until == first + 1:
+        return
     pushes = [runner.push for runner in runners]
     is_steady = _is_steady(plan, runners, first, until)
     for step in range(first + 1, until):
