@@ -95,6 +95,17 @@ def test_events_beside_the_rows(somo: Somo, here: Path) -> None:
     assert (here / "push_scene.events.csv").read_text("utf-8") == piped.stdout
 
 
+@pytest.mark.parametrize("option", [("--events", "e.csv"), ("--record", "*.contact.*")])
+def test_the_ground_is_not_told_from_an_object_of_its_name(
+    somo: Somo, here: Path, option: tuple[str, str]
+) -> None:
+    named = ("--set", "objects[0].name=ground")
+    assert somo("run", "push_scene.yaml", "--steps", "3", *named).returncode == 0
+    ended = somo("run", "push_scene.yaml", "--steps", "3", *named, *option)
+    assert (ended.returncode, ended.stdout) == (2, "")
+    assert "the scene calls something ground" in " ".join(ended.stderr.split())
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [

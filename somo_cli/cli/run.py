@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 Targets: TypeAlias = tuple[str, str | None]
 """Where rows go, and where events go if anywhere."""
 
+_TWO_GROUNDS = "the scene calls something ground, as the ground is called in contacts: rename it"
+
 
 @app.command(epilog=EXIT_CODES)
 @ending
@@ -111,9 +113,10 @@ def run(
 
 def _recording(scene: "Scene", patterns: Sequence[str]) -> "Scene":
     """Return the scene with columns picked from all there are."""
-    from somo_cli.simulation.record_meaning import hint_for
+    from somo_cli.simulation.record_meaning import has_two_grounds, hint_for
     from somo_cli.simulation.scene import ALL_COLUMNS, ALL_READINGS
 
+    require(not has_two_grounds(scene), "--record", _TWO_GROUNDS)
     whole = dataclasses.replace(scene, columns=ALL_COLUMNS, of_things=ALL_READINGS)
     for pattern in patterns:
         hint = hint_for(whole, pattern)
@@ -128,6 +131,9 @@ def _target_of_events(scene: "Scene", output: str, events: str | None) -> str | 
         require(output != "-" and not files.is_direct(output), "--events", message)
         return _beside(output, "events.csv")
     if events is not None:
+        from somo_cli.simulation.record_meaning import has_two_grounds
+
+        require(not has_two_grounds(scene), "--events", _TWO_GROUNDS)
         is_same = os.path.realpath(events) == os.path.realpath(output)
         require(not is_same, "--events", f"{events} is where the rows go")
     return events

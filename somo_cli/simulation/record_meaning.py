@@ -60,10 +60,16 @@ def _names(found: Scene) -> Mapping[tuple[str, str], Sequence[str]]:
     return names
 
 
+def has_two_grounds(found: Scene) -> bool:
+    """Whether in columns and events of contacts the ground could be taken for something else."""
+    named = (*found.manipulators, *found.things)
+    return found.ground is not None and any(one.name == _GROUND for one in named)
+
+
 def _ground_faults(document: Document, found: Scene, has_events: bool) -> Iterator[Problem]:
     """Refuse to tell the ground from something else that is called so."""
     tells = has_events or "contact_pairs" in (*found.columns, *found.of_things)
-    if found.ground is None or not tells:
+    if not tells or not has_two_grounds(found):
         return
     for index, manipulator in enumerate(found.manipulators):
         if manipulator.name == _GROUND:
