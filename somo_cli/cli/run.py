@@ -1,13 +1,11 @@
 """somo run: a scene to a trajectory in CSV."""
 
-import dataclasses
 import json
-import os
 import time
 from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypeAlias
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -21,6 +19,7 @@ from somo_cli.cli.door import (
     refuse_overwriting,
     require,
 )
+from somo_cli.cli.run_targets import Targets, beside, picking, target_of_events
 from somo_cli.problems import SimulationDiverged
 
 if TYPE_CHECKING:
@@ -31,11 +30,6 @@ if TYPE_CHECKING:
     from somo_cli.simulation.recorder import RowSpool
     from somo_cli.simulation.run import Summary
     from somo_cli.simulation.scene import Scene
-
-Targets: TypeAlias = tuple[str, str | None]
-"""Where rows go, and where events go if anywhere."""
-
-_TWO_GROUNDS = "the scene calls something ground, as the ground is called in contacts: rename it"
 
 
 @app.command(epilog=EXIT_CODES)
@@ -102,41 +96,13 @@ def run(
     planned, warnings = loading.scene_of(document, every, step)
     terminal.say_problems(warnings, document.texts)
     if record:
-        planned = _recording(planned, record)
+        planned = picking(planned, record)
     target = output or f"{Path(scene).stem}.csv"
     refuse_overwriting(document, target)
-    targets = target, _target_of_events(planned, target, events)
+    targets = target, target_of_events(planned, target, events)
     if targets[1] is not None:
         refuse_overwriting(document, targets[1], "--events")
     _simulate(planned, document, steps, targets, sets or [], with_error, quiet)
-
-
-def _recording(scene: "Scene", patterns: Sequence[str]) -> "Scene":
-    """Return the scene with columns picked from all there are."""
-    from somo_cli.simulation.record_meaning import has_two_grounds, hint_for
-    from somo_cli.simulation.scene import ALL_COLUMNS, ALL_READINGS
-
-    require(not has_two_grounds(scene), "--record", _TWO_GROUNDS)
-    whole = dataclasses.replace(scene, columns=ALL_COLUMNS, of_things=ALL_READINGS)
-    for pattern in patterns:
-        hint = hint_for(whole, pattern)
-        require(hint is None, "--record", f"no column matches {pattern!r}; {hint}")
-    return dataclasses.replace(whole, only=tuple(patterns))
-
-
-def _target_of_events(scene: "Scene", output: str, events: str | None) -> str | None:
-    """Return where events go: beside the output unless told; nowhere if nobody asks for them."""
-    if events is None and scene.has_events:
-        message = "the scene records events, and there is no file to put them beside: name one"
-        require(output != "-" and not files.is_direct(output), "--events", message)
-        return _beside(output, "events.csv")
-    if events is not None:
-        from somo_cli.simulation.record_meaning import has_two_grounds
-
-        require(not has_two_grounds(scene), "--events", _TWO_GROUNDS)
-        is_same = os.path.realpath(events) == os.path.realpath(output)
-        require(not is_same, "--events", f"{events} is where the rows go")
-    return events
 
 
 def _step(text: str | None) -> "float | Auto | None":
@@ -187,7 +153,7 @@ def _simulate(
             except SimulationDiverged as error:
                 about["error"], failure = None, error
     if output != "-" and not files.is_direct(output):
-        files.write_whole(_beside(output, "meta.json"), json.dumps(about, indent=2) + "\n")
+        files.write_whole(beside(output, "meta.json"), json.dumps(about, indent=2) + "\n")
     if not quiet:
         if summary.stopped is not None:
             time_of_end = f"{summary.steps * plan.time_step:.9g} s"
@@ -275,9 +241,3 @@ def _table(told: "Estimate", names: Sequence[str]) -> list[str]:
             for name, error in zip(names, told.errors, strict=True)
         ),
     ]
-
-
-def _beside(output: str, ending: str) -> str:
-    path = Path(output)
-    stem = path.name.removesuffix(".csv")
-    return str(path.with_name(f"{stem}.{ending}"))

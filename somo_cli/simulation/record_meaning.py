@@ -62,8 +62,8 @@ def _names(found: Scene) -> Mapping[tuple[str, str], Sequence[str]]:
 
 def has_two_grounds(found: Scene) -> bool:
     """Whether in columns and events of contacts the ground could be taken for something else."""
-    named = (*found.manipulators, *found.things)
-    return found.ground is not None and any(one.name == _GROUND for one in named)
+    names = [one.name for one in found.manipulators] + [one.name for one in found.things]
+    return found.ground is not None and _GROUND in names
 
 
 def _ground_faults(document: Document, found: Scene, has_events: bool) -> Iterator[Problem]:
