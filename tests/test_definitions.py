@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 import math
 from collections.abc import Sequence
 from functools import cache
@@ -137,7 +138,9 @@ def test_every_scene_moves_and_stays_in_bounds(somo: Somo, scene: str, tmp_path:
     assert table["time_s"][-1] == pytest.approx(2.0)
     tip = columns(table, ".tip.x_m", ".tip.y_m", ".tip.z_m")
     name = scene.removesuffix("_scene")
-    length = chain_of("finger" if name in ("scene", "gait", "press", "push") else name).length
+    length = chain_of(
+        "finger" if name in ("scene", "gait", "press", "push", "turn") else name
+    ).length
     way = np.linalg.norm(tip - tip[0], axis=1).max()
     assert 0.1 * length < way < 1.5 * length
     assert np.abs(columns(table, ".angle_rad")).max() < 1.0
@@ -147,6 +150,22 @@ def test_the_finger_does_not_reach_the_table_it_stands_on(somo: Somo, tmp_path: 
     table = recorded(somo, "scene", 2000, tmp_path)
     # the tip is a ball with its centre 5 mm beyond the end of the backbone
     assert table["finger.tip.z_m"].min() > 0.02
+
+
+def test_the_bar_turns_and_the_run_ends_at_rest(somo: Somo, tmp_path: Path) -> None:
+    table = recorded(somo, "turn_scene", 20000, tmp_path)
+    assert table["bar.angles.z_rad"][-1] == pytest.approx(0.21, abs=0.02)
+    meta = json.loads((tmp_path / "turn_scene.meta.json").read_text("utf-8"))
+    assert meta["stopped_by"] == {"stop": 0, "reason": "all has been at rest for 0.3 s"}
+    assert meta["steps"] < 12000
+    events = (tmp_path / "turn_scene.events.csv").read_text("utf-8").splitlines()
+    kinds = [line.split(",")[1:6:2] for line in events]
+    assert kinds == [
+        ["event", "first_link", "second_link"],
+        ["begin", "object", "ground"],
+        ["begin", "actuator_0_segment_10", "object"],
+        ["end", "actuator_0_segment_10", "object"],
+    ]
 
 
 def test_the_snake_stays_on_the_spot_and_in_its_plane(somo: Somo, tmp_path: Path) -> None:

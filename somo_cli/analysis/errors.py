@@ -23,6 +23,8 @@ UNITS: dict[Quantity, str] = {
     "curvatures": "1/m",
     "energy": "J",
     "contact_force": "N",
+    "contact_pairs": "N",
+    "link_contact_forces": "N",
 }
 
 _PLACES = 3  # columns that are one vector, whose length is what counts

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from somo_cli.analysis.errors import Error, aligned
+from somo_cli.analysis.errors import Error
 from somo_cli.analysis.trial import Clock, OpenWorld
 from somo_cli.simulation import columns
 from somo_cli.simulation.plan import Plan
@@ -46,7 +46,8 @@ def estimate(
     """
     order = ORDER[plan.integrator]
     gauge = _Gauge(plan, rows, 1 / (1 - 2.0**-order))
-    half = replace(plan, time_step=plan.time_step / 2, every=plan.every * 2)
+    # without the conditions that may have ended it: both end with the same instant
+    half = replace(plan, time_step=plan.time_step / 2, every=plan.every * 2, stops=())
     with open_world(half) as world:
         taken = run(half, world, gauge.compare, 2 * steps, clock, advance).wall_time
     return Estimate(order, gauge.errors(), taken)
@@ -56,10 +57,10 @@ class _Gauge:
     """Takes the rows of the finer run, and holds each against its counterpart."""
 
     def __init__(self, plan: Plan, rows: Iterator[Sequence[float]], factor: float) -> None:
-        self._groups = columns.groups(plan)
+        self._turns = [list(turn) for turn in columns.turns(plan)]
         self._rows = rows
         self._factor = factor
-        width = max((group.last for group in self._groups), default=1) - 1
+        width = len(columns.header(plan)) - 1
         self._last: Array = np.zeros(width)
         self._most: Array = np.zeros(width)
         self._squares: Array = np.zeros(width)
@@ -68,12 +69,10 @@ class _Gauge:
     def compare(self, values: Iterable[float]) -> None:
         fine = np.fromiter(values, dtype=np.float64)
         coarse = np.array(next(self._rows))
+        for turn in self._turns:
+            if coarse[turn].dot(fine[turn]) < 0:  # q and -q are one turn
+                coarse[turn] = -coarse[turn]
         difference = coarse - fine
-        for group in self._groups:
-            if group.quantity in ("base_pose", "link_orientations"):
-                part = slice(group.first, group.last)
-                turned = aligned(group.quantity, coarse[np.newaxis, part], fine[np.newaxis, part])
-                difference[part] = turned[0] - fine[part]
         self._last = self._factor * np.abs(difference[1:])
         np.maximum(self._most, self._last, out=self._most)
         self._squares += self._last**2

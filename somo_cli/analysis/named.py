@@ -17,6 +17,7 @@ from somo_cli.simulation.dynamics import ChainDynamics
 from somo_cli.simulation.plan import make_plan
 from somo_cli.simulation.scene import Load, Manipulator, Scene
 from somo_cli.simulation.springs import Array
+from somo_cli.simulation.units import units_of
 
 SINGLE_JOINT = ("pendulum", "damped_oscillator")
 CONTINUUM = ("cantilever_tip_load", "elastica", "end_moment", "own_weight")
@@ -71,7 +72,7 @@ def exact(scene: Scene, reference: Reference) -> Reference:
     chain = ChainDynamics(body.chain)
     rows = reference.rows.copy()
     angles = _joint_motion(scene, rows[:, 0])
-    length = columns.units_of(plan).length
+    length = units_of(plan).length
     tips = np.array([chain.at([angle], body.start.pose).tip for angle in angles]) / length
     exactly = {"joint_angles": angles[:, np.newaxis], "tip_position": tips}
     for group in columns.groups(plan):

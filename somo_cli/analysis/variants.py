@@ -6,6 +6,8 @@ import dataclasses
 
 from somo_cli.manipulator import geometry, segments
 from somo_cli.manipulator.chain import Chain
+from somo_cli.simulation.columns import groups
+from somo_cli.simulation.plan import make_plan
 from somo_cli.simulation.scene import Integrator, Load, Manipulator, Quantity, Scene
 
 ALWAYS: tuple[Quantity, ...] = ("tip_position", "joint_angles", "energy")
@@ -13,9 +15,15 @@ ALWAYS: tuple[Quantity, ...] = ("tip_position", "joint_angles", "energy")
 
 
 def studied(scene: Scene) -> Scene:
-    """Return the scene recording what a study compares, and what it records of manipulators."""
-    columns = tuple(dict.fromkeys((*ALWAYS, *scene.columns)))
-    return dataclasses.replace(scene, columns=columns, of_things=())
+    """Return the scene recording what a study compares, and what it records of manipulators.
+
+    Whole quantities, and to the end of the study's time: where conditions would end variants at
+    different instants nothing could be compared. Of a scene that picks columns from all quantities
+    those with a picked column.
+    """
+    picked = (group.quantity for group in groups(make_plan(scene)))
+    columns = tuple(dict.fromkeys((*ALWAYS, *picked)))
+    return dataclasses.replace(scene, columns=columns, of_things=(), only=(), stops=())
 
 
 def stepped(scene: Scene, integrator: Integrator, time_step: float, every: int) -> Scene:

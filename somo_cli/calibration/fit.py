@@ -19,7 +19,7 @@ from scipy.special import stdtrit
 
 from somo_cli.analysis.trial import OpenWorld, recorded
 from somo_cli.calibration.parameters import Parameter, changed
-from somo_cli.calibration.recording import Recording
+from somo_cli.calibration.recording import Recording, recording_all
 from somo_cli.problems import SimulationDiverged
 from somo_cli.simulation.plan import make_plan
 from somo_cli.simulation.scene import Scene
@@ -96,7 +96,8 @@ class Model:
         self, scene: Scene, recording: Recording, open_world: OpenWorld, progress: Progress
     ) -> None:
         self._steps, every = _stride(recording.times, scene.time_step)
-        self._scene = dataclasses.replace(scene, every=every, columns=recording.quantities)
+        whole = recording_all(scene, recording.quantities)
+        self._scene = dataclasses.replace(whole, every=every)
         self._recording = recording
         self._open_world = open_world
         self._progress = progress

@@ -72,7 +72,7 @@ def recording(table: Table, scene: Scene, chosen: Sequence[str]) -> Recording:
     Columns are called as `somo run` calls them, with or without the manipulator's name in front.
     Raises InvalidFile with every column that the scene cannot record.
     """
-    whole = make_plan(dataclasses.replace(scene, columns=MEASURABLE))
+    whole = make_plan(recording_all(scene, MEASURABLE))
     header = columns.header(whole)
     full = {name: name for name in header} | {_short(name): name for name in header}
     short = {name: _short(name) for name in header}
@@ -87,13 +87,13 @@ def recording(table: Table, scene: Scene, chosen: Sequence[str]) -> Recording:
     if problems:
         raise InvalidFile(problems, table.texts)
     names = [full[name] for name in wanted]
-    groups = {
-        name: group.quantity
-        for group in columns.groups(whole)
-        for name in header[group.first : group.last]
+    groups: dict[str, Quantity] = {
+        name: group.quantity for group in columns.groups(whole) for name in group.kept.names
     }
+    for of_object in columns.thing_groups(whole):  # poses, which are poses of bases
+        groups |= dict.fromkeys(of_object.kept.names, "base_pose")
     quantities = tuple(one for one in MEASURABLE if one in {groups[name] for name in names})
-    own_header = columns.header(dataclasses.replace(whole, columns=quantities))
+    own_header = columns.header(make_plan(recording_all(scene, quantities)))
     return Recording(
         names=tuple(names),
         times=np.array(table.columns[TIME]),
@@ -101,6 +101,16 @@ def recording(table: Table, scene: Scene, chosen: Sequence[str]) -> Recording:
         quantities=quantities,
         places=tuple(own_header.index(name) for name in names),
         owners=tuple(quantities.index(groups[name]) for name in names),
+    )
+
+
+def recording_all(scene: Scene, quantities: tuple[Quantity, ...]) -> Scene:
+    """Return the scene recording these quantities whole, and poses, to the end of the data.
+
+    Conditions that would end the run before are left out: what was measured has its own end.
+    """
+    return dataclasses.replace(
+        scene, columns=quantities, of_things=("pose",), only=(), stops=(), has_events=False
     )
 
 

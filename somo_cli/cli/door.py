@@ -101,13 +101,13 @@ def _common(
     pass
 
 
-def refuse_overwriting(document: "Document", output: str) -> None:
+def refuse_overwriting(document: "Document", output: str, option: str = "--output") -> None:
     """Refuse an output that is one of the files that were read."""
     target = Path(output)
     is_input = target.exists() and any(
         Path(source).exists() and target.samefile(source) for source in document.texts
     )
-    require(not is_input, "--output", f"{output} is what is read")
+    require(not is_input, option, f"{output} is what is read")
 
 
 def require(is_right: bool, option: str, message: str) -> None:

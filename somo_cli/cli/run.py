@@ -19,6 +19,7 @@ from somo_cli.cli.door import (
     refuse_overwriting,
     require,
 )
+from somo_cli.cli.run_targets import Targets, beside, picking, target_of_events
 from somo_cli.problems import SimulationDiverged
 
 if TYPE_CHECKING:
@@ -64,6 +65,23 @@ def run(
             help="Run again at half the step, and say the estimated error of every column.",
         ),
     ] = False,
+    record: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--record",
+            metavar="PATTERN",
+            help="Record the columns whose name matches, such as 'finger.tip.*', and no others, "
+            "whatever the scene records. Repeatable.",
+        ),
+    ] = None,
+    events: Annotated[
+        str | None,
+        typer.Option(
+            "--events",
+            metavar="FILE",
+            help="Where to write beginnings and ends of contacts as CSV; - is standard output.",
+        ),
+    ] = None,
     sets: SetOption = None,
     quiet: QuietOption = False,
 ) -> None:
@@ -77,9 +95,14 @@ def run(
     document = loading.load(scene, sets or [])
     planned, warnings = loading.scene_of(document, every, step)
     terminal.say_problems(warnings, document.texts)
+    if record:
+        planned = picking(planned, record)
     target = output or f"{Path(scene).stem}.csv"
     refuse_overwriting(document, target)
-    _simulate(planned, document, steps, target, sets or [], with_error, quiet)
+    targets = target, target_of_events(planned, target, events)
+    if targets[1] is not None:
+        refuse_overwriting(document, targets[1], "--events")
+    _simulate(planned, document, steps, targets, sets or [], with_error, quiet)
 
 
 def _step(text: str | None) -> "float | Auto | None":
@@ -101,7 +124,7 @@ def _simulate(
     scene: "Scene",
     document: "Document",
     steps: int,
-    output: str,
+    targets: Targets,
     sets: Sequence[str],
     with_error: bool,
     quiet: bool,
@@ -112,30 +135,40 @@ def _simulate(
     from somo_cli.simulation.recorder import RowSpool
 
     plan = make_plan(scene)
+    output, of_events = targets
     names = columns.header(plan)
     with files.spool() if with_error else nullcontext() as kept:
         spool = None if kept is None else RowSpool(kept, len(names))
-        summary = _recorded(plan, steps, output, names, spool)
+        summary, events = _recorded(plan, steps, targets, names, spool)
         about = metadata(
             plan, summary, document.texts, sets, names, scene.is_step_chosen, scene.expected_error
         )
+        if events is not None:
+            about["events"] = events
         told, failure = None, None
         if spool is not None:
             try:
-                told = _estimated(plan, spool, steps)
+                told = _estimated(plan, spool, summary.steps)
                 about["error"] = _plain(told, names[1:])
             except SimulationDiverged as error:
                 about["error"], failure = None, error
     if output != "-" and not files.is_direct(output):
-        files.write_whole(_beside(output), json.dumps(about, indent=2) + "\n")
+        files.write_whole(beside(output, "meta.json"), json.dumps(about, indent=2) + "\n")
     if not quiet:
+        if summary.stopped is not None:
+            time_of_end = f"{summary.steps * plan.time_step:.9g} s"
+            number, reason = summary.stopped.condition, summary.stopped.reason
+            terminal.say(f"stopped at {time_of_end} by stop[{number}]: {reason}")
         target = "standard output" if output == "-" else output
         chosen = f", time step {plan.time_step:g} s" if scene.is_step_chosen else ""
         terminal.say(
             f"{target}: {summary.rows} rows of {len(names)} columns; "
-            f"{steps * plan.time_step:g} s in {summary.wall_time:.3g} s{chosen}, "
+            f"{summary.steps * plan.time_step:g} s in {summary.wall_time:.3g} s{chosen}, "
             f"{about['steps_per_second'] or 0:.0f} steps per second"
         )
+        if of_events is not None:
+            place = "standard output" if of_events == "-" else of_events
+            terminal.say(f"{place}: {events} events")
     if told is not None:
         terminal.say_lines(_table(told, names[1:]))
     if failure is not None:
@@ -144,25 +177,37 @@ def _simulate(
 
 
 def _recorded(
-    plan: "Plan", steps: int, output: str, names: Sequence[str], spool: "RowSpool | None"
-) -> "Summary":
+    plan: "Plan",
+    steps: int,
+    targets: Targets,
+    names: Sequence[str],
+    spool: "RowSpool | None",
+) -> "tuple[Summary, int | None]":
+    """Simulate into the files; return what happened and how many events there were, if asked."""
     from somo_cli.simulation.bullet import BulletWorld
+    from somo_cli.simulation.events import EventRecorder
     from somo_cli.simulation.recorder import CsvRecorder
     from somo_cli.simulation.run import run as simulate
 
+    output, of_events = targets
     try:
-        # the output comes first: the world takes standard output away from the engine
+        # the outputs come first: the world takes standard output away from the engine
         with (
             files.partial(output) as stream,
+            nullcontext() if of_events is None else files.partial(of_events) as event_stream,
             BulletWorld(plan) as world,
             terminal.progress(steps, "simulating") as advance,
         ):
             recorder = CsvRecorder(stream, names, flush_rows=output == "-")
+            events = None if event_stream is None else EventRecorder(event_stream, plan)
             write = recorder.write if spool is None else spool.onward_to(recorder.write)
-            return simulate(plan, world, write, steps, time.perf_counter, advance)
+            tell = None if events is None else events.write
+            summary = simulate(plan, world, write, steps, time.perf_counter, advance, tell)
+            return summary, None if events is None else events.events
     except (SimulationDiverged, KeyboardInterrupt):
-        if output != "-" and Path(f"{output}.partial").exists():
-            terminal.say(f"somo: the rows so far are in {output}.partial")
+        for target in targets:
+            if target not in (None, "-") and Path(f"{target}.partial").exists():
+                terminal.say(f"somo: the rows so far are in {target}.partial")
         raise
 
 
@@ -196,9 +241,3 @@ def _table(told: "Estimate", names: Sequence[str]) -> list[str]:
             for name, error in zip(names, told.errors, strict=True)
         ),
     ]
-
-
-def _beside(output: str) -> str:
-    path = Path(output)
-    stem = path.name.removesuffix(".csv")
-    return str(path.with_name(f"{stem}.meta.json"))

@@ -21,6 +21,7 @@ from somo_cli.simulation.bullet_thing import BulletThing
 from somo_cli.simulation.c_library import captured_output, decimal_points, duplicate, flush_c
 from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.surface import Ground
+from somo_cli.simulation.touching import Place, Touch
 
 GROUND_REACH = 1000.0  # engine units, from the origin
 GROUND_DEPTH = 20.0  # engine units: what falls faster than this in a step passes through
@@ -37,6 +38,7 @@ class BulletWorld:
         self.bodies: list[BulletBody] = []
         self.things: list[BulletThing] = []
         self.step: Callable[[], object] = self._refuse
+        self._places: dict[tuple[int, int], Place] = {}  # of the engine's bodies and links
 
     def __enter__(self) -> BulletWorld:
         """Load every body; until `close`, what the engine prints goes to standard error."""
@@ -76,6 +78,24 @@ class BulletWorld:
             os.close(self._stdout)
             self._stdout = None
 
+    def touches(self) -> list[Touch]:
+        """Return every contact point of the last step, in the engine's order."""
+        # seen in 3.2.7: asked for one body, the engine turns the normals of those contacts in which
+        # that body is the second one, and not the forces of friction; asked for all it turns none
+        told = self._bullet.getContactPoints(physicsClientId=self._client)
+        places = self._places
+        return [
+            Touch(
+                places[one[1], one[3]],
+                places[one[2], one[4]],
+                one[5],
+                one[7],
+                one[9],
+                ((one[11], one[10]), (one[13], one[12])),
+            )
+            for one in told
+        ]
+
     @staticmethod
     def _refuse() -> None:
         raise RuntimeError("the world is entered before it is stepped")
@@ -106,10 +126,18 @@ class BulletWorld:
                 path = Path(folder) / f"object_{number}.urdf"
                 path.write_text(thing.urdf, encoding="utf-8")
                 self.things.append(BulletThing(self._bullet, self._client, thing, str(path)))
+        for number, loaded in enumerate(self.bodies):
+            for link, place in loaded.links.items():
+                self._places[loaded.index, link] = (number, place)
+        for number, loaded_thing in enumerate(self.things, start=len(self.bodies)):
+            joints = self._bullet.getNumJoints(loaded_thing.index, self._client)
+            for link in range(-1, joints):
+                self._places[loaded_thing.index, link] = (number, 0)
         if self._plan.ground is not None:
-            self._lay_ground(self._plan.ground)
+            index = self._lay_ground(self._plan.ground)
+            self._places[index, -1] = (len(self.bodies) + len(self.things), 0)
 
-    def _lay_ground(self, ground: Ground) -> None:
+    def _lay_ground(self, ground: Ground) -> int:
         # seen in 3.2.7: on a plane (GEOM_PLANE) a sliding box stands on one or two points and
         # sinks in by millimetres, on a large box on four
         bullet, client = self._bullet, self._client
@@ -118,10 +146,11 @@ class BulletWorld:
             bullet.GEOM_BOX, halfExtents=half, physicsClientId=client
         )
         below = [0, 0, ground.height - GROUND_DEPTH / 2]
-        index = bullet.createMultiBody(0, slab, -1, below, physicsClientId=client)
+        index: int = bullet.createMultiBody(0, slab, -1, below, physicsClientId=client)
         bullet.changeDynamics(
             index, -1, lateralFriction=ground.surface.friction, physicsClientId=client
         )
+        return index
 
     def _loading(self) -> str:
         names = [body.name for body in self._plan.bodies]

@@ -5,7 +5,7 @@ The engine's module is handed in by `bullet`, which alone imports it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -194,12 +194,10 @@ class BulletBody:
         linear, angular = self._bullet.getBaseVelocity(self.index, self._client)
         return linear, angular
 
-    def contact_force(self) -> tuple[float, float, float, float]:
-        """Return the force on the body of all that touches it, in the world, in the last step.
-
-        Its three components, then the sum of all normal forces.
-        """
-        return contact_force(self._bullet, self._client, self.index)
+    @property
+    def links(self) -> Mapping[int, int]:
+        """Where in the chain the link of each of the engine's indices is."""
+        return {-1: 0} | {joint: index for index, joint in enumerate(self._joints, start=1)}
 
     def reset(
         self,
@@ -318,19 +316,3 @@ class BulletBody:
         if found:
             more = f"; and {len(found) - 3} more" if len(found) > 3 else ""
             raise EngineRefused(self._body.name, "; ".join(found[:3]) + more)
-
-
-def contact_force(bullet: Any, client: int, body: int) -> tuple[float, float, float, float]:
-    """Return the force on a body of all that touches it, in the world, in the last step.
-
-    Its three components, then the sum of all normal forces.
-    """
-    total, pressed = geometry.ZERO, 0.0
-    # seen in 3.2.7: asked for one body, the engine tells each contact with that one as A
-    for point in bullet.getContactPoints(body, physicsClientId=client):
-        normal, force = point[7], point[9]
-        pressed += force
-        for direction, size in ((normal, force), (point[11], point[10]), (point[13], point[12])):
-            x, y, z = direction
-            total = geometry.add(total, (size * x, size * y, size * z))
-    return (*total, pressed)

@@ -8,7 +8,6 @@ from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import EngineRefused
-from somo_cli.simulation.bullet_body import contact_force
 from somo_cli.simulation.plan import PlannedThing
 
 
@@ -64,6 +63,7 @@ class BulletThing:
         linear, _ = self._bullet.getBaseVelocity(self.index, self._client)
         return (linear[0], linear[1], linear[2])
 
-    def contact_force(self) -> tuple[float, float, float, float]:
-        """Return the force on it of all that touches it, and the sum of the normal forces."""
-        return contact_force(self._bullet, self._client, self.index)
+    def velocity(self) -> tuple[Vector, Vector]:
+        """Return the velocity of its centre and its angular velocity, in the world."""
+        linear, angular = self._bullet.getBaseVelocity(self.index, self._client)
+        return linear, angular

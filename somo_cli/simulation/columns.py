@@ -8,23 +8,26 @@ from functools import cached_property
 from typing import TypeAlias
 
 from somo_cli.manipulator import geometry
-from somo_cli.manipulator.dimensions import Dimension
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose, link_poses
+from somo_cli.simulation import contact_columns, thing_columns
+from somo_cli.simulation.contact_columns import LOAD, TOTAL, pair_names
 from somo_cli.simulation.dynamics import ChainDynamics
-from somo_cli.simulation.plan import TORQUE, Body, Plan
+from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.scene import Quantity
+from somo_cli.simulation.selection import Kept, kept
 from somo_cli.simulation.things import Reading
-from somo_cli.simulation.world import WorldThing
+from somo_cli.simulation.touching import Touch
+from somo_cli.simulation.units import Units
 
 _XYZ = ("x_m", "y_m", "z_m")
 _XYZW = ("qx", "qy", "qz", "qw")
-_FORCES = ("fx_n", "fy_n", "fz_n", "normal_n")
 _ENERGIES = ("kinetic_j", "elastic_j", "gravity_j")
-_OF_THINGS: dict[Reading, list[str]] = {
-    "pose": [f"pose.{part}" for part in _XYZ + _XYZW],
-    "contact_force": [f"contact.{part}" for part in _FORCES],
-}
+_TURN_AT = {"base_pose": 3, "pose": 3, "link_orientations": 0}
+"""At which column of a kind unit quaternions begin, four columns each."""
+
+OF_BASE = frozenset({"link_positions", "link_orientations", "base_pose", "tip_position", "energy"})
+"""The quantities that ask where the base is."""
 
 
 @dataclass
@@ -32,7 +35,7 @@ class State:
     """One body at one instant, in engine units: angles, rates and actuation by joint.
 
     `base_velocity` holds the velocity of the base's centre of mass and its spin, in the world;
-    `contact` the force of all that touches the body in the step before, and the sum of normal ones.
+    `number` is that of the body, and `touches` all that touched anything in the step before.
     """
 
     body: Body
@@ -43,7 +46,9 @@ class State:
     base_velocity: tuple[Vector, Vector]
     gravity: Vector
     dynamics: Callable[[], ChainDynamics]
-    contact: Sequence[float] = ()
+    number: int = 0
+    others: Sequence[int] = ()
+    touches: Sequence[Touch] = ()
 
     @cached_property
     def base_pose(self) -> Pose:
@@ -56,34 +61,7 @@ class State:
         return link_poses(self.body.chain, self.angles, self.base_pose)
 
 
-@dataclass(frozen=True, slots=True)
-class Units:
-    """Engine units per SI unit."""
-
-    length: float
-    torque: float
-    force: float
-
-
-Reader: TypeAlias = Callable[[State, Units], Iterator[float]]
-
-
-def units_of(plan: Plan) -> Units:
-    """Return the factors that lead from SI to the units of a plan."""
-    force = plan.scale.factor(Dimension(mass=1, length=1, time=-2))
-    return Units(plan.scale.factor(Dimension(length=1)), plan.scale.factor(TORQUE), force)
-
-
-def header(plan: Plan) -> list[str]:
-    """Return the name of every column, time first; each name ends with its unit."""
-    names = ["time_s"]
-    for body in plan.bodies:
-        for quantity in plan.columns:
-            names.extend(f"{body.name}.{name}" for name in _names(body, quantity))
-    for planned in plan.things:
-        for reading in plan.of_things:
-            names.extend(f"{planned.thing.name}.{name}" for name in _OF_THINGS[reading])
-    return names
+Reader: TypeAlias = Callable[[State, Units], Sequence[float]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,51 +72,72 @@ class Group:
     quantity: Quantity
     first: int
     last: int
+    kept: Kept
+
+
+@dataclass(frozen=True, slots=True)
+class ThingGroup:
+    """The columns [first, last) of one reading of one object."""
+
+    thing: int
+    reading: Reading
+    first: int
+    last: int
+    kept: Kept
+
+
+def header(plan: Plan) -> list[str]:
+    """Return the name of every column, time first; each name ends with its unit."""
+    chosen = [group.kept for group in groups(plan)] + [one.kept for one in thing_groups(plan)]
+    return ["time_s", *(name for one in chosen for name in one.names)]
 
 
 def groups(plan: Plan) -> list[Group]:
-    """Return what the columns of the header are, in their order, time left out.
-
-    Objects are counted after the bodies, and a pose of theirs is that of a base.
-    """
+    """Return what the columns of manipulators are, in the order of the header."""
     found: list[Group] = []
     first = 1
     for number, body in enumerate(plan.bodies):
         for quantity in plan.columns:
-            last = first + len(_names(body, quantity))
-            found.append(Group(number, quantity, first, last))
-            first = last
-    for number, _ in enumerate(plan.things, start=len(plan.bodies)):
-        for reading in plan.of_things:
-            last = first + len(_OF_THINGS[reading])
-            kind: Quantity = "base_pose" if reading == "pose" else "contact_force"
-            found.append(Group(number, kind, first, last))
-            first = last
+            own = (
+                pair_names(plan, number) if quantity == "contact_pairs" else _names(body, quantity)
+            )
+            chosen = kept(plan.only, [f"{body.name}.{name}" for name in own])
+            if chosen.places:
+                last = first + len(chosen.places)
+                found.append(Group(number, quantity, first, last, chosen))
+                first = last
     return found
 
 
-def row(plan: Plan, units: Units, time: float, states: Sequence[State]) -> list[float]:
-    """Return one row of values in SI, in the order of the header."""
-    values = [float(f"{time:.12g}")]  # 0.018, not 0.018000000000000002
-    for state in states:
-        for quantity in plan.columns:
-            values.extend(_READINGS[quantity](state, units))
-    return values
-
-
-def of_things(plan: Plan, units: Units, things: Sequence[WorldThing], step: int) -> list[float]:
-    """Return the values of the objects' columns after a step, in SI, in the header's order."""
-    values: list[float] = []
-    for thing in things:
+def thing_groups(plan: Plan) -> list[ThingGroup]:
+    """Return what the columns of objects are, behind those of manipulators."""
+    found: list[ThingGroup] = []
+    first = max((group.last for group in groups(plan)), default=1)
+    for index, planned in enumerate(plan.things):
         for reading in plan.of_things:
-            if reading == "contact_force":
-                force = thing.contact_force() if step > 0 else (0.0, 0.0, 0.0, 0.0)
-                values.extend(value / units.force for value in force)
-            else:
-                pose = thing.pose()
-                values.extend(coordinate / units.length for coordinate in pose.position)
-                values.extend(geometry.quaternion_from_rotation(pose.rotation))
-    return values
+            own = thing_columns.names(plan, index, reading)
+            chosen = kept(plan.only, [f"{planned.thing.name}.{name}" for name in own])
+            if chosen.places:
+                last = first + len(chosen.places)
+                found.append(ThingGroup(index, reading, first, last, chosen))
+                first = last
+    return found
+
+
+def turns(plan: Plan) -> Iterator[tuple[int, ...]]:
+    """Yield the columns of every unit quaternion, or what is recorded of it; time is column 0."""
+    kinds: list[tuple[str, int, Kept]] = [
+        *((one.quantity, one.first, one.kept) for one in groups(plan)),
+        *((one.reading, one.first, one.kept) for one in thing_groups(plan)),
+    ]
+    for kind, first, chosen in kinds:
+        if kind not in _TURN_AT:
+            continue
+        by_turn: dict[int, list[int]] = {}
+        for column, place in enumerate(chosen.places, start=first):
+            if place >= _TURN_AT[kind]:
+                by_turn.setdefault((place - _TURN_AT[kind]) // 4, []).append(column)
+        yield from map(tuple, by_turn.values())
 
 
 def base_pose_names(body: Body) -> list[str]:
@@ -161,7 +160,8 @@ def _names(body: Body, quantity: Quantity) -> list[str]:
         "base_pose": (["base_pose"], _XYZ + _XYZW),
         "tip_position": (["tip"], _XYZ),
         "energy": (["energy"], _ENERGIES),
-        "contact_force": (["contact"], _FORCES),
+        "contact_force": (["contact"], TOTAL),
+        "link_contact_forces": ([f"{link}.contact" for link in links], LOAD),
     }
     owners, units = suffixes[quantity]
     return [f"{owner}.{unit}" for owner in owners for unit in units]
@@ -171,65 +171,83 @@ def _channels(body: Body) -> list[tuple[int, int]]:
     return sorted({(joint.actuator, joint.channel) for joint in body.chain.joints})
 
 
-def _angles(state: State, units: Units) -> Iterator[float]:
-    yield from state.angles
+def _angles(state: State, units: Units) -> Sequence[float]:
+    return state.angles
 
 
-def _rates(state: State, units: Units) -> Iterator[float]:
-    yield from state.rates
+def _rates(state: State, units: Units) -> Sequence[float]:
+    return state.rates
 
 
-def _spring_torques(state: State, units: Units) -> Iterator[float]:
-    for joint, angle in zip(state.body.chain.joints, state.angles, strict=True):
-        yield -joint.stiffness * (angle - joint.neutral_position) / units.torque
+def _spring_torques(state: State, units: Units) -> Sequence[float]:
+    return [
+        -joint.stiffness * (angle - joint.neutral_position) / units.torque
+        for joint, angle in zip(state.body.chain.joints, state.angles, strict=True)
+    ]
 
 
-def _actuation(state: State, units: Units) -> Iterator[float]:
+def _actuation(state: State, units: Units) -> Sequence[float]:
     by_channel: dict[tuple[int, int], float] = {}
     for joint, torque in zip(state.body.chain.joints, state.actuation, strict=True):
         by_channel.setdefault((joint.actuator, joint.channel), torque)
-    for channel in _channels(state.body):
-        yield by_channel[channel] / units.torque
+    return [by_channel[channel] / units.torque for channel in _channels(state.body)]
 
 
-def _curvatures(state: State, units: Units) -> Iterator[float]:
-    for joint, angle in zip(state.body.chain.joints, state.angles, strict=True):
-        yield angle / (joint.span / units.length)
+def _curvatures(state: State, units: Units) -> Sequence[float]:
+    return [
+        angle / (joint.span / units.length)
+        for joint, angle in zip(state.body.chain.joints, state.angles, strict=True)
+    ]
 
 
-def _link_positions(state: State, units: Units) -> Iterator[float]:
-    for pose in state.poses:
-        yield from (coordinate / units.length for coordinate in pose.position)
+def _link_positions(state: State, units: Units) -> Sequence[float]:
+    length = units.length
+    return [coordinate / length for pose in state.poses for coordinate in pose.position]
 
 
-def _link_orientations(state: State, units: Units) -> Iterator[float]:
-    for pose in state.poses:
-        yield from geometry.quaternion_from_rotation(pose.rotation)
+def _link_orientations(state: State, units: Units) -> Sequence[float]:
+    return [
+        component
+        for pose in state.poses
+        for component in geometry.quaternion_from_rotation(pose.rotation)
+    ]
 
 
-def _base_pose(state: State, units: Units) -> Iterator[float]:
-    yield from (coordinate / units.length for coordinate in state.base_pose.position)
-    yield from geometry.quaternion_from_rotation(state.base_pose.rotation)
+def _base_pose(state: State, units: Units) -> Sequence[float]:
+    pose, length = state.base_pose, units.length
+    turn = geometry.quaternion_from_rotation(pose.rotation)
+    return [*(coordinate / length for coordinate in pose.position), *turn]
 
 
-def _tip_position(state: State, units: Units) -> Iterator[float]:
+def _tip_position(state: State, units: Units) -> Sequence[float]:
     tip = state.poses[-1].point(state.body.chain.tip)
-    yield from (coordinate / units.length for coordinate in tip)
+    return [coordinate / units.length for coordinate in tip]
 
 
-def _energy(state: State, units: Units) -> Iterator[float]:
+def _energy(state: State, units: Units) -> Sequence[float]:
     pose = state.dynamics().at(state.angles, state.base_pose)
     velocity, spin = state.base_velocity
-    yield pose.kinetic_energy([*spin, *velocity, *state.rates]) / units.torque
-    yield pose.elastic_energy() / units.torque
-    yield pose.gravity_energy(state.gravity) / units.torque
+    return [
+        pose.kinetic_energy([*spin, *velocity, *state.rates]) / units.torque,
+        pose.elastic_energy() / units.torque,
+        pose.gravity_energy(state.gravity) / units.torque,
+    ]
 
 
-def _contact_force(state: State, units: Units) -> Iterator[float]:
-    yield from (value / units.force for value in state.contact)
+def _contact_force(state: State, units: Units) -> Sequence[float]:
+    return contact_columns.total(state.touches, state.number, units)
 
 
-_READINGS: dict[Quantity, Reader] = {
+def _contact_pairs(state: State, units: Units) -> Sequence[float]:
+    return contact_columns.pairs(state.touches, state.number, state.others, units)
+
+
+def _link_contact_forces(state: State, units: Units) -> Sequence[float]:
+    count = len(state.body.chain.links)
+    return contact_columns.links(state.touches, state.number, count, units)
+
+
+READINGS: dict[Quantity, Reader] = {
     "joint_angles": _angles,
     "joint_rates": _rates,
     "spring_torques": _spring_torques,
@@ -241,4 +259,6 @@ _READINGS: dict[Quantity, Reader] = {
     "tip_position": _tip_position,
     "energy": _energy,
     "contact_force": _contact_force,
+    "contact_pairs": _contact_pairs,
+    "link_contact_forces": _link_contact_forces,
 }

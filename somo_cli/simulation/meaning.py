@@ -19,7 +19,9 @@ from somo_cli.simulation import (
     actuation_meaning,
     ground_meaning,
     load_meaning,
+    record_meaning,
     sorotraj_meaning,
+    stop_meaning,
     thing_meaning,
 )
 from somo_cli.simulation.scene import PLACES_OF_FILES, name_of, per_joint
@@ -28,7 +30,8 @@ from somo_cli.simulation.scene import PLACES_OF_FILES, name_of, per_joint
 def faults(document: Document) -> tuple[Problem, ...]:
     """Return every error and warning about a scene and the definitions in it."""
     shape = faults_of_shape(document, "scene")
-    is_sound = soundness(shape, unread(document, PLACES_OF_FILES))
+    missing = unread(document, PLACES_OF_FILES)
+    is_sound = soundness(shape, missing)
     scenes = _scenes_in_place_of_definitions(document)
     problems = [fault.problem for fault in shape if fault.pointer[:3] not in scenes]
     problems.extend(scenes.values())
@@ -43,6 +46,9 @@ def faults(document: Document) -> tuple[Problem, ...]:
                 problems.extend(_manipulator_faults(document, index, item, is_sound, channels))
         problems.extend(_name_faults(document, manipulators, is_sound))
         problems.extend(_scale_faults(document, manipulators, is_sound))
+    problems.extend(stop_meaning.faults(document, is_sound))
+    if isinstance(data, Mapping) and not missing and not has_errors(problems):
+        problems.extend(record_meaning.faults(document))
     return in_reading_order(problems, document.texts)
 
 

@@ -37,6 +37,7 @@ def metadata(
         "time_step_chosen": is_step_chosen,
         "expected_tip_error_relative": expected_error,
         "steps": summary.steps,
+        "stopped_by": _stopped_by(summary),
         "record_every": plan.every,
         "rows": summary.rows,
         "columns": list(columns),
@@ -49,6 +50,12 @@ def metadata(
         "steps_per_second": summary.steps / summary.wall_time if summary.wall_time > 0 else None,
         "real_time_factor": simulated / summary.wall_time if summary.wall_time > 0 else None,
     }
+
+
+def _stopped_by(summary: Summary) -> dict[str, object] | None:
+    if summary.stopped is None:
+        return None
+    return {"stop": summary.stopped.condition, "reason": summary.stopped.reason}
 
 
 def origin(inputs: Mapping[str, str], overrides: Sequence[str]) -> dict[str, object]:

@@ -30,6 +30,7 @@ from somo_cli.simulation.scene import (
 )
 from somo_cli.simulation.scene import Load as LoadOfScene
 from somo_cli.simulation.signal import Input, Signal
+from somo_cli.simulation.stopping import Stop
 from somo_cli.simulation.surface import Ground, Surface
 from somo_cli.simulation.things import Reading, Thing
 
@@ -118,6 +119,10 @@ class Plan:
     ground: Ground | None
     things: tuple[PlannedThing, ...]
     of_things: tuple[Reading, ...]
+    only: tuple[str, ...] = ()
+    stops: tuple[Stop, ...] = ()
+    ends_in_row: bool = False
+    """Whether the last step is recorded wherever it falls; so where a stop may end the run."""
 
     @property
     def can_touch(self) -> bool:
@@ -141,6 +146,9 @@ def make_plan(scene: Scene) -> Plan:
         ground=None if scene.ground is None else scaled(scene.ground, scene.scale),
         things=tuple(_thing(one, scene.scale) for one in scene.things),
         of_things=scene.of_things if scene.things else (),
+        only=scene.only,
+        stops=tuple(scaled(one, scene.scale) for one in scene.stops),
+        ends_in_row=bool(scene.stops),
     )
 
 

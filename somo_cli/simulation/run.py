@@ -7,26 +7,28 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from somo_cli.manipulator import geometry
-from somo_cli.manipulator.geometry import Vector
-from somo_cli.simulation import columns, watch
-from somo_cli.simulation.columns import State
+from somo_cli.simulation import watch
+from somo_cli.simulation.endings import Ending, Stopped
+from somo_cli.simulation.events import ContactWatch, Event
 from somo_cli.simulation.free_base import FreeRunner
 from somo_cli.simulation.plan import Plan
+from somo_cli.simulation.rows import Rows
 from somo_cli.simulation.runner import STEPS_BETWEEN_LOOKS, Runner
 from somo_cli.simulation.start import begin
 from somo_cli.simulation.world import World
 
-_NO_CONTACT = (0.0, 0.0, 0.0, 0.0)
-
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """What happened: steps done, rows written, and the wall time of the stepping loop [s]."""
+    """What happened: steps done, rows written, and the wall time of the stepping loop [s].
+
+    `stopped` is the condition of the scene that ended the run, if one did.
+    """
 
     steps: int
     rows: int
     wall_time: float
+    stopped: Stopped | None = None
 
 
 @np.errstate(over="ignore", invalid="ignore")  # the watch says it better
@@ -37,20 +39,25 @@ def run(
     steps: int,
     clock: Callable[[], float],
     advance: Callable[[int], None] = lambda done: None,
+    tell: Callable[[Event], None] | None = None,
 ) -> Summary:
     """Simulate `steps` steps and write a row of SI values for every recorded one, start included.
 
-    Raises SimulationDiverged; the rows before it have been written.
+    With `tell`, contacts are looked at in every step, and every change of them is told. The run
+    ends earlier if a condition of the plan says so. Raises SimulationDiverged; the rows before it
+    have been written.
     """
     runners = [
         (FreeRunner if body.base == "free" else Runner)(plan, body, world_body)
         for body, world_body in zip(plan.bodies, world.bodies, strict=True)
     ]
     begin(plan, world, runners)
-    units = columns.units_of(plan)
+    recorded = Rows(plan, world, runners)
+    ending = Ending(plan, world, runners, steps)
+    contacts = None if tell is None else ContactWatch(plan.time_step, tell)
     energy_of_things = watch.ThingsEnergy(plan, world.things)
-    needs_rates = not {"joint_rates", "energy"}.isdisjoint(plan.columns)
-    needs_next_rates = plan.integrator == "implicit" and needs_rates
+    last = ending.steps
+    stopped: Stopped | None = None
     step = rows = 0
     started = clock()
     while True:
@@ -59,21 +66,26 @@ def run(
             runner.measure()
         watch.check(step, plan, runners, energy_of_things.given())
         advance(step)
-        is_recorded = step % plan.every == 0
-        states = [_state(plan, runner, step) for runner in runners] if is_recorded else []
-        seen = columns.of_things(plan, units, world.things, step) if is_recorded else []
-        until = _next_stop(plan, step, steps)
-        if is_recorded and needs_next_rates:
-            until = step + 1
-        if step < steps or until == step + 1:
-            _step(plan, world, runners, step, until)
+        if step % STEPS_BETWEEN_LOOKS == 0:
+            recorded.look()
+            stopped = ending.look(step)
+        if stopped is not None:
+            last = step
+        is_recorded = step % plan.every == 0 or (plan.ends_in_row and step == last)
         if is_recorded:
-            if needs_next_rates:
-                _centre_rates(states, runners)
-            write(columns.row(plan, units, step * plan.time_step, states) + seen)
+            recorded.take(step)
+        until = _next_stop(plan, step, last)
+        if is_recorded and recorded.needs_next_step:
+            until = step + 1
+        if step < last:
+            _step(plan, world, runners, step, until, contacts)
+        elif until == step + 1:
+            _step(plan, world, runners, step, until)  # beyond the end, for velocities alone
+        if is_recorded:
+            write(recorded.row())
             rows += 1
-        if step >= steps:
-            return Summary(steps, rows, clock() - started)
+        if step >= last:
+            return Summary(last, rows, clock() - started, stopped or ending.at(step))
         step = until
 
 
@@ -84,7 +96,14 @@ def _next_stop(plan: Plan, step: int, steps: int) -> int:
     return max(step, min(next_look, next_row, steps))
 
 
-def _step(plan: Plan, world: World, runners: Sequence[Runner], first: int, until: int) -> None:
+def _step(
+    plan: Plan,
+    world: World,
+    runners: Sequence[Runner],
+    first: int,
+    until: int,
+    contacts: ContactWatch | None = None,
+) -> None:
     """Advance from step `first`, whose actuation is set, to step `until`."""
     advance = world.step
     pulls = [runner.pull for runner in runners]
@@ -94,6 +113,10 @@ def _step(plan: Plan, world: World, runners: Sequence[Runner], first: int, until
     advance()
     for pull in pulls:
         pull()
+    if contacts is not None:
+        contacts.look(first + 1, world.touches())
+    if until == first + 1:
+        return
     pushes = [runner.push for runner in runners]
     is_steady = _is_steady(plan, runners, first, until)
     for step in range(first + 1, until):
@@ -104,6 +127,8 @@ def _step(plan: Plan, world: World, runners: Sequence[Runner], first: int, until
         advance()
         for pull in pulls:
             pull()
+        if contacts is not None:
+            contacts.look(step + 1, world.touches())
 
 
 def _actuate(plan: Plan, runners: Sequence[Runner], step: int) -> None:
@@ -115,46 +140,3 @@ def _is_steady(plan: Plan, runners: Sequence[Runner], first: int, until: int) ->
     """Whether no actuation changes after step `first` and before step `until`."""
     start, end = first * plan.time_step, (until - 1) * plan.time_step
     return all(runner.steady_until(start) > end for runner in runners)
-
-
-def _state(plan: Plan, runner: Runner, step: int) -> State:
-    """Return a copy of the present state; a base that cannot move is read when a column asks."""
-    law = runner.law
-    base = runner.world_body.base_pose
-    velocity = geometry.ZERO, geometry.ZERO
-    if runner.body.base != "static":
-        pose, velocity = base(), runner.world_body.base_velocity()
-        base = lambda: pose  # noqa: E731
-    contact: Sequence[float] = _NO_CONTACT
-    if "contact_force" in plan.columns and step > 0:
-        contact = runner.world_body.contact_force()
-    return State(
-        runner.body,
-        law.angles.tolist(),
-        law.rates.tolist(),
-        runner.actuation.tolist(),
-        base,
-        velocity,
-        plan.gravity,
-        runner.dynamics,
-        contact,
-    )
-
-
-def _centre_rates(states: Sequence[State], runners: Sequence[Runner]) -> None:
-    """Replace rates half a step before the instant by the mean with those half a step after."""
-    for state, runner in zip(states, runners, strict=True):
-        state.rates = (0.5 * (state.rates + runner.law.rates)).tolist()
-        if runner.body.base != "static":
-            linear, spin = (
-                _mean(before, after)
-                for before, after in zip(
-                    state.base_velocity, runner.world_body.base_velocity(), strict=True
-                )
-            )
-            state.base_velocity = linear, spin
-
-
-def _mean(a: Vector, b: Vector) -> Vector:
-    x, y, z = geometry.add(a, b)
-    return (0.5 * x, 0.5 * y, 0.5 * z)

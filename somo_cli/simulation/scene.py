@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from somo_cli.document.parse import Document
 from somo_cli.manipulator import geometry
@@ -15,10 +15,11 @@ from somo_cli.manipulator.compile import Compiled, compile_sound
 from somo_cli.manipulator.dimensions import Force, Number, Position, Scale, Time, Torque
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.problems import Pointer
-from somo_cli.simulation import actuation, surface
+from somo_cli.simulation import actuation, stopping, surface
 from somo_cli.simulation.actuation import Actuation
 from somo_cli.simulation.signal import Interpolation
 from somo_cli.simulation.sorotraj import Trajectory, trajectory
+from somo_cli.simulation.stopping import Stop
 from somo_cli.simulation.surface import Ground, Surface
 from somo_cli.simulation.things import Reading, Thing, thing
 
@@ -37,6 +38,8 @@ Quantity = Literal[
     "curvatures",
     "energy",
     "contact_force",
+    "contact_pairs",
+    "link_contact_forces",
 ]
 
 ClosedForm = Literal[
@@ -53,6 +56,8 @@ AUTO = "auto"
 """In place of a time step: the one that `somo check --numerics` recommends."""
 DEFAULT_GRAVITY = (0.0, 0.0, -9.81)  # m/s²
 DEFAULT_COLUMNS: tuple[Quantity, ...] = ("joint_angles", "tip_position")
+ALL_COLUMNS: tuple[Quantity, ...] = get_args(Quantity)
+ALL_READINGS: tuple[Reading, ...] = get_args(Reading)
 
 PLACES_OF_FILES: tuple[tuple[str, ...], ...] = (
     ("manipulators", "*", "definition"),
@@ -105,7 +110,8 @@ class Manipulator:
 class Scene:
     """Everything a run needs but the number of steps; SI throughout.
 
-    `of_things` is what is recorded of the objects.
+    `of_things` is what is recorded of the objects, and `only` the patterns that a column of all
+    these has to match, if there are any. `stops` end a run early.
     `reference` is the closed form that a study holds the results against, if there is one. Where
     the scene leaves the time step to us, `is_step_chosen` says so, and `expected_error` what error
     of the tip, relative to the length, the step was chosen with.
@@ -122,6 +128,9 @@ class Scene:
     ground: Ground | None
     things: tuple[Thing, ...]
     of_things: tuple[Reading, ...]
+    only: tuple[str, ...] = ()
+    stops: tuple[Stop, ...] = ()
+    has_events: bool = False
     is_step_chosen: bool = False
     expected_error: float | None = None
 
@@ -132,7 +141,7 @@ def is_scene(document: Document) -> bool:
     if "manipulators" in keys or keys & {"manipulator_name", "actuator_definitions"}:
         return "manipulators" in keys
     return not keys.isdisjoint(
-        {"time_step", "gravity", "integrator", "record", "reference", "ground", "objects"}
+        {"time_step", "gravity", "integrator", "record", "reference", "ground", "objects", "stop"}
     )
 
 
@@ -166,6 +175,7 @@ def read(document: Document) -> Scene:
     """
     data: Any = document.data
     record = data.get("record", {})
+    only = tuple(record.get("only", ()))
     known = trajectories_of(data)
     manipulators = tuple(
         _manipulator(document, index, item, known)
@@ -183,11 +193,16 @@ def read(document: Document) -> Scene:
         scale=scale,
         manipulators=manipulators,
         every=int(record.get("every", 1)),
-        columns=tuple(dict.fromkeys(record.get("columns", DEFAULT_COLUMNS))),
+        columns=tuple(
+            dict.fromkeys(record.get("columns", ALL_COLUMNS if only else DEFAULT_COLUMNS))
+        ),
         reference=data.get("reference"),
         ground=surface.ground(data["ground"]) if "ground" in data else None,
         things=tuple(thing(item) for item in data.get("objects", ())),
-        of_things=tuple(dict.fromkeys(record.get("objects", ("pose",)))),
+        of_things=tuple(dict.fromkeys(record.get("objects", ALL_READINGS if only else ("pose",)))),
+        only=only,
+        stops=stopping.stops(data.get("stop", ())),
+        has_events=bool(record.get("events", False)),
         is_step_chosen=is_chosen,
     )
 

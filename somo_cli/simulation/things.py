@@ -19,7 +19,7 @@ from somo_cli.manipulator.read import solid_from
 from somo_cli.manipulator.solids import Inertial
 from somo_cli.simulation.surface import Surface
 
-Reading = Literal["pose", "contact_force"]
+Reading = Literal["pose", "velocity", "angles", "contact_force", "contact_pairs"]
 
 FIXED_MASS = 1.0  # kg, of what cannot move and so needs none
 _MATERIAL = Material("object", (0.8, 0.6, 0.3, 1.0))

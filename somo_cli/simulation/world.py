@@ -8,6 +8,7 @@ from typing import Any, Protocol
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.springs import Array
+from somo_cli.simulation.touching import Touch
 
 
 class WorldBody(Protocol):
@@ -42,12 +43,6 @@ class WorldBody(Protocol):
     def base_velocity(self) -> tuple[Vector, Vector]:
         """Return the velocity of the base's centre of mass, and its angular velocity."""
 
-    def contact_force(self) -> tuple[float, float, float, float]:
-        """Return the force on the body of all that touches it, in the world, in the last step.
-
-        Its three components, then the sum of all normal forces.
-        """
-
     def reset(
         self,
         angles: Sequence[float],
@@ -69,8 +64,8 @@ class WorldThing(Protocol):
     def linear_velocity(self) -> Vector:
         """Return the velocity of its centre."""
 
-    def contact_force(self) -> tuple[float, float, float, float]:
-        """Return the force on it of all that touches it, and the sum of the normal forces."""
+    def velocity(self) -> tuple[Vector, Vector]:
+        """Return the velocity of its centre and its angular velocity, in the world."""
 
 
 class World(Protocol):
@@ -86,3 +81,6 @@ class World(Protocol):
 
     step: Callable[[], object]
     """Advances every body by one time step."""
+
+    def touches(self) -> list[Touch]:
+        """Return every contact point of the last step, in an order that is always the same."""

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from somo_cli.analysis.half_step import Estimate, estimate
+from somo_cli.simulation import columns
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.plan import make_plan
 from somo_cli.simulation.recorder import RowSpool
 from somo_cli.simulation.scene import Scene
-from tests.loading import rows_of, scene_from_file, scene_from_text
+from tests.loading import rows_of, scene_from_file, scene_from_text, simulated
 from tests.simulation.test_physics import error_of_hinge, finger, hinge, truth_of_finger
 
 
@@ -70,3 +72,27 @@ def test_a_spool_gives_back_what_it_took(tmp_path: Path) -> None:
             keep(iter(row))
         assert [list(row) for row in spool.rows()] == rows == passed
         assert [list(row) for row in spool.rows()] == rows
+
+
+def test_picked_columns_have_the_errors_they_have_among_all() -> None:
+    every = {"every": 50, "columns": ["tip_position", "base_pose", "link_orientations"]}
+    only = ["*.tip.y_m", "*.base_pose.q[xw]", "*.actuator_1_segment_01.q*"]
+    found = []
+    for record in (every, {**every, "only": only}):
+        scene = scene_from_file("snake_scene.yaml", f"record={json.dumps(record)}")
+        names = columns.header(make_plan(scene))[1:]
+        found.append(dict(zip(names, estimated(scene, 200).errors, strict=True)))
+    everything, picked = found
+    assert len(picked) == 1 + 2 + 4
+    for name, error in picked.items():
+        assert error == everything[name]
+
+
+def test_a_run_that_was_stopped_is_held_against_one_of_the_same_length() -> None:
+    scene = scene_from_file("scene.yaml", "stop=[{time: 0.123}]")
+    plan = make_plan(scene)
+    rows, summary = simulated(plan, 500)
+    assert (summary.steps, rows[-1][0]) == (123, 0.123)
+    found = estimate(plan, iter(rows), summary.steps, BulletWorld, lambda: 0.0)
+    last = estimated(dataclasses.replace(scene, stops=(), every=123), 123)
+    assert found.errors[0].final == last.errors[0].final

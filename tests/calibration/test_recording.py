@@ -8,7 +8,7 @@ import json
 import numpy as np
 import pytest
 
-from somo_cli.calibration.recording import Recording, between, recording
+from somo_cli.calibration.recording import Recording, between, recording, recording_all
 from somo_cli.document.table import read_table
 from somo_cli.problems import InvalidFile
 from somo_cli.simulation import columns
@@ -46,6 +46,34 @@ def test_columns_are_found_by_their_names() -> None:
         "joint_angles",
         "tip_position",
     ]
+
+
+def test_what_the_scene_itself_picks_and_where_it_stops_does_not_matter() -> None:
+    cube = {
+        "name": "cube",
+        "shape_type": "sphere",
+        "dimensions": [0.1],
+        "mass": 1,
+        "position": [5, 0, 0],
+    }
+    data = {
+        "manipulators": [{"definition": manipulator(actuator(2, X, Y))}],
+        "objects": [cube],
+        "record": {"only": ["body.tip.y_m"], "events": True},
+        "stop": [{"time": 0.05}],
+    }
+    scene = scene_from_text(json.dumps(data))
+    table = read_table("time_s,cube.pose.z_m,tip.x_m\n0,1,2\n0.1,4,5\n", "a.csv")
+    found = recording(table, scene, ())
+    assert found.names == ("cube.pose.z_m", "body.tip.x_m")
+    assert found.quantities == ("tip_position", "base_pose")
+    whole = recording_all(scene, found.quantities)
+    header = columns.header(make_plan(whole))
+    assert [header[place] for place in found.places] == list(found.names)
+    assert (whole.only, whole.stops, whole.has_events) == ((), (), False)
+    force = read_table("time_s,cube.contact.fx_n\n0,1\n0.1,4\n", "a.csv")
+    with pytest.raises(InvalidFile, match=r"the scene records no column 'cube\.contact\.fx_n'"):
+        recording(force, scene, ())
 
 
 def test_only_the_chosen_ones_count() -> None:

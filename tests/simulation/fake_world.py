@@ -11,6 +11,7 @@ import numpy as np
 from somo_cli.manipulator.geometry import ZERO, Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.plan import Body, Plan, make_plan
+from somo_cli.simulation.touching import Touch
 from somo_cli.simulation.world import WorldThing
 from tests.loading import scene_from_text
 from tests.manipulator.bodies import actuator, hinge, manipulator
@@ -89,9 +90,6 @@ class FakeBody:
     def base_velocity(self) -> tuple[Vector, Vector]:
         return ZERO, ZERO
 
-    def contact_force(self) -> tuple[float, float, float, float]:
-        return (0.0, 0.0, 0.0, 0.0)
-
     def reset(
         self,
         angles: Sequence[float],
@@ -111,6 +109,9 @@ class FakeWorld:
         self.steps = 0
         self.rates: list[np.ndarray] = []
         self.step: Callable[[], object] = self._step
+
+    def touches(self) -> list[Touch]:
+        return []
 
     def _step(self) -> None:
         for body in self.bodies:

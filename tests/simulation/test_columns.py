@@ -21,6 +21,8 @@ from somo_cli.simulation.columns import State
 from somo_cli.simulation.dynamics import ChainDynamics
 from somo_cli.simulation.plan import TORQUE, Plan, make_plan
 from somo_cli.simulation.scene import Quantity
+from somo_cli.simulation.touching import Touch
+from somo_cli.simulation.units import units_of
 from tests.loading import scene_from_text
 from tests.manipulator.bodies import EVERYTHING, X, Y, actuator, bent, manipulator
 
@@ -84,6 +86,26 @@ NAMES: dict[Quantity, list[str]] = {
     "tip_position": ["tip.x_m", "tip.y_m", "tip.z_m"],
     "energy": ["energy.kinetic_j", "energy.elastic_j", "energy.gravity_j"],
     "contact_force": ["contact.fx_n", "contact.fy_n", "contact.fz_n", "contact.normal_n"],
+    "contact_pairs": [],  # it is alone
+    "link_contact_forces": [
+        f"{link}.contact.{one}_n"
+        for link in (
+            "base",
+            "actuator_0_segment_01",
+            "actuator_0_segment_02",
+            "actuator_1_segment_01",
+        )
+        for one in (
+            "fx",
+            "fy",
+            "fz",
+            "normal",
+            "friction",
+            "friction_x",
+            "friction_y",
+            "friction_z",
+        )
+    ],
 }
 
 
@@ -104,6 +126,7 @@ def test_every_name_is_its_own() -> None:
     text = json.dumps({"manipulators": two, "record": {"columns": ALL}})
     found = columns.header(make_plan(scene_from_text(text)))
     assert len(set(found)) == len(found)
+    found = [name.replace(".contact.b.", ".contact.a.") for name in found]  # of the other
     assert [name.replace("b.", "a.", 1) for name in found if name.startswith("b.")] == [
         name for name in found if name.startswith("a.")
     ]
@@ -129,13 +152,24 @@ def state_of(
     velocity = (length, 0.0, 0.0), (0.0, 0.0, 2.0)
     dynamics = functools.partial(ChainDynamics, body.chain)
     force = plan.scale.factor(Dimension(mass=1, length=1, time=-2))
-    contact = [force * value for value in (1.0, -2.0, 3.0, 4.0)]
-    return State(body, angles, rates, actuation, base, velocity, plan.gravity, dynamics, contact)
+    rubs = ((1.0, 0.0, 0.0), force), ((0.0, 1.0, 0.0), -2 * force)
+    touch = Touch((0, 1), (1, 0), (0.0, 0.0, 0.0), (0.0, 0.0, 1.0), 3 * force, rubs)
+    return State(
+        body, angles, rates, actuation, base, velocity, plan.gravity, dynamics, 0, (1,), [touch]
+    )
 
 
 def row_of(plan: Plan, state: State) -> dict[str, float]:
-    values = columns.row(plan, columns.units_of(plan), 0.25, [state])
-    return dict(zip(columns.header(plan), values, strict=True))
+    units = units_of(plan)
+    return {
+        name: value
+        for group in columns.groups(plan)
+        for name, value in zip(
+            group.kept.names,
+            group.kept.of(columns.READINGS[group.quantity](state, units)),
+            strict=True,
+        )
+    }
 
 
 TILTED = Pose((0.1, -0.2, 0.3), ((0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
@@ -156,7 +190,6 @@ def test_the_values_at_a_bent_pose() -> None:
     definition = manipulator(actuator(2, X, Y), actuator(1, {**X, "joint_neutral_position": 0.5}))
     plan = plan_of(definition, *ALL, world_scale=20)
     found = row_of(plan, state_in(plan, [0.3, -0.4, 0.1], TILTED))
-    assert found["time_s"] == 0.25
     assert [found[f"a.{name}"] for name in NAMES["joint_angles"]] == [0.3, -0.4, 0.1]
     assert [found[f"a.{name}"] for name in NAMES["joint_rates"]] == [1.15, 0.8, 1.05]
     # stiffness 0.2 N·m/rad in every joint of tests/manipulator/bodies.py
@@ -165,7 +198,7 @@ def test_the_values_at_a_bent_pose() -> None:
     assert [found[f"a.{name}"] for name in NAMES["actuation"]] == pytest.approx([0.3, -0.2, 0.7])
     pose = [found[f"a.{name}"] for name in NAMES["base_pose"]]
     forces = [found[f"a.{name}"] for name in NAMES["contact_force"]]
-    assert forces == pytest.approx([1, -2, 3, 4])
+    assert forces == pytest.approx([1, -2, 3, 3])
     half = math.sqrt(0.5)  # a quarter turn about z
     assert pose == pytest.approx([0.1, -0.2, 0.3, 0.0, 0.0, half, half])
 
@@ -207,7 +240,6 @@ def test_curvature_is_the_angle_over_the_backbone_it_stands_for() -> None:
             definition = manipulator(actuator(4, *joints, link=link))
             plan = plan_of(definition, "curvatures", world_scale=scale)
             found = row_of(plan, state_in(plan, [0.05] * 4, Pose()))
-            found.pop("time_s")
             assert list(found.values()) == pytest.approx([1 / radius_of_turn] * 4)
 
 
@@ -276,4 +308,4 @@ def test_the_base_is_read_only_for_columns_that_need_it() -> None:
         raise AssertionError
 
     state = dataclasses.replace(state_in(plan, [0.0] * 3, Pose()), base=refuse)
-    assert len(row_of(plan, state)) == 13
+    assert len(row_of(plan, state)) == 12

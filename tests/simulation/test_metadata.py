@@ -17,7 +17,7 @@ from tests.loading import scene_from_file
 KEYS = [
     "somo", "engine", "numpy", "python", "platform", "inputs", "overrides", "integrator",
     "time_step_s", "time_step_chosen", "expected_tip_error_relative", "steps",
-    "record_every", "rows", "columns", "world_scale", "manipulators",
+    "stopped_by", "record_every", "rows", "columns", "world_scale", "manipulators",
     "simulated_time_s", "run_time_s", "steps_per_second", "real_time_factor",
 ]  # fmt: skip
 OF_THE_MACHINE = {"engine", "numpy", "python", "platform"}
@@ -49,6 +49,7 @@ def test_the_values(found: dict[str, object]) -> None:
         "time_step_chosen": False,
         "expected_tip_error_relative": None,
         "steps": 500,
+        "stopped_by": None,
         "record_every": 10,
         "rows": 51,
         "columns": ["time_s", "x"],

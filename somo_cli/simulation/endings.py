@@ -1,0 +1,133 @@
+"""Notices that a condition of the scene ends a run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import TypeAlias
+
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator.geometry import Vector
+from somo_cli.simulation.plan import Plan
+from somo_cli.simulation.runner import Runner
+from somo_cli.simulation.stopping import AXES, AtRest, AtTime, Leaves, Stop
+from somo_cli.simulation.units import units_of
+from somo_cli.simulation.world import World, WorldThing
+
+_LATE = 1e-9  # of a step: what rounding may put a time behind the step that stands for it
+
+Condition: TypeAlias = Callable[[float], str | None]
+"""Takes the time [s]; returns what has come about, if it has."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stopped:
+    """Which condition of the scene, counted from 0, ended a run, and what came about."""
+
+    condition: int
+    reason: str
+
+
+class Ending:
+    """Asks the conditions of a plan at its looks, which do not depend on where rows fall.
+
+    Times are exact: they bound the number of steps.
+    """
+
+    def __init__(self, plan: Plan, world: World, runners: Sequence[Runner], steps: int) -> None:
+        times = [
+            (_step_of(stop, plan), number, stop)
+            for number, stop in enumerate(plan.stops)
+            if isinstance(stop, AtTime)
+        ]
+        self.steps = min([steps, *(step for step, _, _ in times)])
+        """The last step that the run may do."""
+        self._time_step = plan.time_step
+        self._at_last = next(
+            (
+                Stopped(number, f"the time is {stop.time:g} s")
+                for step, number, stop in times
+                if step == self.steps
+            ),
+            None,
+        )
+        self._conditions = [
+            (number, _condition(stop, plan, world, runners))
+            for number, stop in enumerate(plan.stops)
+            if not isinstance(stop, AtTime)
+        ]
+
+    def look(self, step: int) -> Stopped | None:
+        """Return what ends the run with this step, at which there is a look."""
+        for number, condition in self._conditions:
+            reason = condition(step * self._time_step)
+            if reason is not None:
+                return Stopped(number, reason)
+        return None
+
+    def at(self, step: int) -> Stopped | None:
+        """Return what ends the run with a step because of its time alone."""
+        return self._at_last if step >= self.steps else None
+
+
+def _step_of(stop: AtTime, plan: Plan) -> int:
+    return math.ceil(stop.time / plan.time_step - _LATE)
+
+
+def _condition(stop: Stop, plan: Plan, world: World, runners: Sequence[Runner]) -> Condition:
+    if isinstance(stop, Leaves):
+        names = [planned.thing.name for planned in plan.things]
+        thing = world.things[names.index(stop.thing)]
+        return partial(_left, stop, thing, units_of(plan).length)
+    assert isinstance(stop, AtRest)
+    return _Rest(stop, plan, world, runners).condition
+
+
+def _left(stop: Leaves, thing: WorldThing, length: float, time: float) -> str | None:
+    place = thing.pose().position
+    for axis, low, value, high in zip(AXES, stop.lower, place, stop.upper, strict=True):
+        if not low <= value <= high:
+            bounds = f"[{low / length:g}, {high / length:g}]"
+            return f"'{stop.thing}' has left {axis} in {bounds}: it is at {value / length:.6g} m"
+    return None
+
+
+class _Rest:
+    """Counts for how long everything has been slow."""
+
+    def __init__(self, stop: AtRest, plan: Plan, world: World, runners: Sequence[Runner]) -> None:
+        self._stop = stop
+        self._runners = runners
+        self._velocities: list[Callable[[], tuple[Vector, Vector]]] = [
+            runner.world_body.base_velocity for runner in runners if runner.body.base == "free"
+        ]
+        self._velocities += [
+            thing.velocity
+            for thing, planned in zip(world.things, plan.things, strict=True)
+            if not planned.thing.is_fixed
+        ]
+        self._since: float | None = None
+
+    def condition(self, time: float) -> str | None:
+        stop = self._stop
+        if time < stop.after or not self._is_slow():
+            self._since = None
+            return None
+        if self._since is None:
+            self._since = time
+        # differences of times that are multiples of a step round either way
+        if time - self._since < stop.duration * (1 - 1e-9):
+            return None
+        return f"all has been at rest for {stop.duration:g} s"
+
+    def _is_slow(self) -> bool:
+        stop = self._stop
+        if not all(runner.fastest < stop.rate for runner in self._runners):
+            return False
+        velocities = [velocity() for velocity in self._velocities]
+        return all(
+            geometry.norm(linear) < stop.speed and geometry.norm(spin) < stop.rate
+            for linear, spin in velocities
+        )
