@@ -16,6 +16,7 @@ from types import TracebackType
 from typing import Any
 
 from somo_cli.problems import EngineMissing, EngineRefused
+from somo_cli.simulation import bullet_surface
 from somo_cli.simulation.bullet_body import BulletBody
 from somo_cli.simulation.bullet_thing import BulletThing
 from somo_cli.simulation.c_library import captured_output, decimal_points, duplicate, flush_c
@@ -93,6 +94,9 @@ class BulletWorld:
             solverResidualThreshold=1e-30,
             physicsClientId=self._client,
         )
+        rebounds = bullet_surface.for_rebounds(self._plan)
+        if rebounds:
+            self._bullet.setPhysicsEngineParameter(**rebounds, physicsClientId=self._client)
         self._bullet.setGravity(*self._plan.gravity, physicsClientId=self._client)
         with tempfile.TemporaryDirectory(prefix="somo-") as folder:
             for number, body in enumerate(self._plan.bodies):
@@ -120,7 +124,7 @@ class BulletWorld:
         below = [0, 0, ground.height - GROUND_DEPTH / 2]
         index = bullet.createMultiBody(0, slab, -1, below, physicsClientId=client)
         bullet.changeDynamics(
-            index, -1, lateralFriction=ground.surface.friction, physicsClientId=client
+            index, -1, **bullet_surface.settings(ground.surface), physicsClientId=client
         )
 
     def _loading(self) -> str:

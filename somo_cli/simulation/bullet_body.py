@@ -15,6 +15,8 @@ from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import EngineRefused
+from somo_cli.simulation.bullet_self import spare_near_links
+from somo_cli.simulation.bullet_surface import settings
 from somo_cli.simulation.plan import Body
 from somo_cli.simulation.readback import EngineJoint, EngineLink, mismatches
 from somo_cli.simulation.springs import Array
@@ -30,9 +32,11 @@ class BulletBody:
         self._client = client
         self._body = body
         self._gravity = gravity
-        # self-collision stays off; the inertia must come from the file, or the engine computes
+        # the inertia must come from the file, or the engine computes
         # its own from the collision shapes
         flags = bullet.URDF_USE_INERTIA_FROM_FILE | bullet.URDF_USE_IMPLICIT_CYLINDER
+        if body.collides_with_itself:
+            flags |= bullet.URDF_USE_SELF_COLLISION
         self.index: int = bullet.loadURDF(
             path,
             useFixedBase=body.base == "static",
@@ -51,6 +55,8 @@ class BulletBody:
         self.apply = self._make_apply()
         self._read_back()
         self._release()
+        if body.collides_with_itself:
+            spare_near_links(bullet, client, self.index, (-1, *self._joints), body.chain)
         self._com_in_base, self._inertial_in_base = self._base_inertial_frame()
         self.reset(body.start.angles, body.start.rates)
         self._gravity_in_base = geometry.rotate(geometry.transposed(self._base_axes()), gravity)
@@ -251,7 +257,8 @@ class BulletBody:
     def _release(self) -> None:
         """Switch off what is in nobody's model: engine damping, rate clamp, joint motors."""
         bullet, body, client = self._bullet, self.index, self._client
-        for link in (-1, *self._joints):
+        links = (-1, *self._joints)
+        for number, link in enumerate(links):
             bullet.changeDynamics(
                 body,
                 link,
@@ -259,7 +266,7 @@ class BulletBody:
                 angularDamping=0,
                 jointDamping=0,
                 maxJointVelocity=UNLIMITED_RATE,
-                lateralFriction=self._body.surface.friction,
+                **settings(self._body.surfaces.of(number, len(links))),
                 physicsClientId=client,
             )
         # every joint has a velocity motor by default; with zero force it is gone, with a force
@@ -321,13 +328,15 @@ class BulletBody:
 
 
 def contact_force(bullet: Any, client: int, body: int) -> tuple[float, float, float, float]:
-    """Return the force on a body of all that touches it, in the world, in the last step.
+    """Return the force on a body of all else that touches it, in the world, in the last step.
 
     Its three components, then the sum of all normal forces.
     """
     total, pressed = geometry.ZERO, 0.0
     # seen in 3.2.7: asked for one body, the engine tells each contact with that one as A
     for point in bullet.getContactPoints(body, physicsClientId=client):
+        if point[1] == point[2]:
+            continue  # a body's force on itself is none
         normal, force = point[7], point[9]
         pressed += force
         for direction, size in ((normal, force), (point[11], point[10]), (point[13], point[12])):
