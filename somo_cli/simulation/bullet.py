@@ -18,10 +18,11 @@ from typing import Any
 from somo_cli.problems import EngineMissing, EngineRefused
 from somo_cli.simulation import bullet_surface
 from somo_cli.simulation.bullet_body import BulletBody
+from somo_cli.simulation.bullet_grip import BulletGrip, Skin
 from somo_cli.simulation.bullet_thing import BulletThing
 from somo_cli.simulation.c_library import captured_output, decimal_points, duplicate, flush_c
 from somo_cli.simulation.plan import Plan
-from somo_cli.simulation.surface import Ground
+from somo_cli.simulation.surface import Ground, Surface
 
 GROUND_REACH = 1000.0  # engine units, from the origin
 GROUND_DEPTH = 20.0  # engine units: what falls faster than this in a step passes through
@@ -110,10 +111,33 @@ class BulletWorld:
                 path = Path(folder) / f"object_{number}.urdf"
                 path.write_text(thing.urdf, encoding="utf-8")
                 self.things.append(BulletThing(self._bullet, self._client, thing, str(path)))
-        if self._plan.ground is not None:
-            self._lay_ground(self._plan.ground)
+        ground = None if self._plan.ground is None else self._lay_ground(self._plan.ground)
+        if any(surface.anisotropy is not None for surface in self._plan.surfaces):
+            self.step = self._gripping(self.step, ground)
 
-    def _lay_ground(self, ground: Ground) -> None:
+    def _gripping(self, step: Callable[[], object], ground: int | None) -> Callable[[], object]:
+        """Return a step before which friction that depends on the direction is applied."""
+        found: list[tuple[int, int, Surface]] = []
+        for body, planned in zip(self.bodies, self._plan.bodies, strict=True):
+            links = body.links
+            found += [
+                (body.index, link, planned.surfaces.of(number, len(links)))
+                for number, link in enumerate(links)
+            ]
+        for thing, of_thing in zip(self.things, self._plan.things, strict=True):
+            found.append((thing.index, -1, of_thing.thing.surface))
+        if ground is not None and self._plan.ground is not None:
+            found.append((ground, -1, self._plan.ground.surface))
+        skins = [Skin.of(self._bullet, self._client, *one) for one in found]
+        act = BulletGrip(self._bullet, self._client, self._plan.time_step, skins).act
+
+        def step_with_grip() -> None:
+            act()
+            step()
+
+        return step_with_grip
+
+    def _lay_ground(self, ground: Ground) -> int:
         # seen in 3.2.7: on a plane (GEOM_PLANE) a sliding box stands on one or two points and
         # sinks in by millimetres, on a large box on four
         bullet, client = self._bullet, self._client
@@ -126,6 +150,7 @@ class BulletWorld:
         bullet.changeDynamics(
             index, -1, **bullet_surface.settings(ground.surface), physicsClientId=client
         )
+        return int(index)
 
     def _loading(self) -> str:
         names = [body.name for body in self._plan.bodies]

@@ -56,7 +56,7 @@ class BulletBody:
         self._read_back()
         self._release()
         if body.collides_with_itself:
-            spare_near_links(bullet, client, self.index, (-1, *self._joints), body.chain)
+            spare_near_links(bullet, client, self.index, self.links, body.chain)
         self._com_in_base, self._inertial_in_base = self._base_inertial_frame()
         self.reset(body.start.angles, body.start.rates)
         self._gravity_in_base = geometry.rotate(geometry.transposed(self._base_axes()), gravity)
@@ -73,6 +73,11 @@ class BulletBody:
             control(index, joints, mode, forces=torques, physicsClientId=client)
 
         return apply
+
+    @property
+    def links(self) -> tuple[int, ...]:
+        """The engine's numbers of the links, base to tip."""
+        return (-1, *self._joints)
 
     def mass_matrix(self, angles: Sequence[float]) -> Array:
         """Return the joint-space inertia at these angles, shape (n, n).
@@ -257,8 +262,7 @@ class BulletBody:
     def _release(self) -> None:
         """Switch off what is in nobody's model: engine damping, rate clamp, joint motors."""
         bullet, body, client = self._bullet, self.index, self._client
-        links = (-1, *self._joints)
-        for number, link in enumerate(links):
+        for number, link in enumerate(self.links):
             bullet.changeDynamics(
                 body,
                 link,
@@ -266,7 +270,7 @@ class BulletBody:
                 angularDamping=0,
                 jointDamping=0,
                 maxJointVelocity=UNLIMITED_RATE,
-                **settings(self._body.surfaces.of(number, len(links))),
+                **settings(self._body.surfaces.of(number, len(self.links))),
                 physicsClientId=client,
             )
         # every joint has a velocity motor by default; with zero force it is gone, with a force
@@ -311,7 +315,7 @@ class BulletBody:
         """
         bullet, client = self._bullet, self._client
         links, joints = [], []
-        for index, link in enumerate((-1, *self._joints)):
+        for index, link in enumerate(self.links):
             dynamics = bullet.getDynamicsInfo(self.index, link, client)
             has_mass = index > 0 or self._body.base != "static"  # a static base reads as mass 0
             links.append(EngineLink(dynamics[0], dynamics[3], dynamics[2]) if has_mass else None)
