@@ -95,9 +95,9 @@ class BulletWorld:
             solverResidualThreshold=1e-30,
             physicsClientId=self._client,
         )
-        rebounds = bullet_surface.for_rebounds(self._plan)
-        if rebounds:
-            self._bullet.setPhysicsEngineParameter(**rebounds, physicsClientId=self._client)
+        self._bullet.setPhysicsEngineParameter(
+            **bullet_surface.contact_parameters(self._plan), physicsClientId=self._client
+        )
         self._bullet.setGravity(*self._plan.gravity, physicsClientId=self._client)
         with tempfile.TemporaryDirectory(prefix="somo-") as folder:
             for number, body in enumerate(self._plan.bodies):

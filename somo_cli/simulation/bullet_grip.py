@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -9,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from somo_cli.manipulator import geometry
-from somo_cli.manipulator.geometry import Vector
 from somo_cli.simulation.grip import Grip, Key
 from somo_cli.simulation.springs import Array
 from somo_cli.simulation.surface import Surface
@@ -34,20 +34,40 @@ class Skin:
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
-    """Of a link, in the world: its centre, the axes of its inertial frame, and its velocities."""
+class Motions:
+    """Of links, in the world: centres, axes of the inertial frames (n, 3, 3), and velocities."""
 
-    centre: Array
+    centres: Array
     axes: Array
-    velocity: Array
-    spin: Array
+    velocities: Array
+    spins: Array
 
-    def at(self, point: Array) -> Array:
-        """Return the velocity of a point of the link."""
-        (x, y, z), (a, b, c) = (point - self.centre).tolist(), self.spin.tolist()
-        turning = np.array((b * z - c * y, c * x - a * z, a * y - b * x))
-        moving: Array = self.velocity + turning
+    def of(self, numbers: Sequence[int]) -> Motions:
+        """Return the motions of these links, in this order."""
+        return Motions(
+            self.centres[numbers], self.axes[numbers], self.velocities[numbers], self.spins[numbers]
+        )
+
+    def at(self, points: Array) -> Array:
+        """Return the velocity of a point of each link."""
+        moving: Array = self.velocities + np.cross(self.spins, points - self.centres)
         return moving
+
+    def seen(self, points: Array) -> Array:
+        """Return a point of the world for each link, in the link's axes."""
+        seen: Array = np.einsum("pji,pj->pi", self.axes, points - self.centres)
+        return seen
+
+
+@dataclass(frozen=True, slots=True)
+class Touching:
+    """What is known of the two links of each contact; `factors` in the inertial frame."""
+
+    own: Motions
+    other: Motions
+    frictions: Array
+    masses: Array
+    factors: Array
 
 
 class BulletGrip:
@@ -64,34 +84,51 @@ class BulletGrip:
             for place, one in self._skins.items()
             if one.surface.anisotropy is not None
         }
-        self._motions: dict[tuple[int, int], Motion] = {}
 
     def act(self) -> None:
         """Apply the friction for the coming step to all that touch."""
-        self._motions.clear()
         contacts = list(self._contacts())
         if not contacts:
-            self._grip.forces((), *(np.zeros((0, 3)),) * 3, *(np.zeros(0),) * 2, np.zeros((0, 3, 3)))
+            self._grip.let_go()
             return
+        told = [one for _, one in contacts]
         keys = tuple(key for key, _ in contacts)
-        counts: dict[tuple[int, int], int] = {}
-        for key in keys:
-            counts[key[:2]] = counts.get(key[:2], 0) + 1
-        places, normals, slips, limits, masses, factors = [], [], [], [], [], []
-        for key, told in contacts:
-            own, other = self._skins[key[:2]], self._skins[key[2:]]
-            motion = self._motion(key[:2])
-            point = np.array(told[5])
-            places.append((point - motion.centre) @ motion.axes)
-            normals.append(told[7])
-            slips.append(motion.at(point) - self._motion(key[2:]).at(np.array(told[6])))
-            limits.append(own.surface.friction * other.surface.friction * told[9])
-            masses.append(_lighter(own.mass, other.mass) / counts[key[:2]])
-            factors.append(motion.axes @ self._factors[key[:2]] @ motion.axes.T)
-        forces = self._grip.forces(keys, *map(np.array, (places, normals, slips, limits, masses, factors)))
-        for (key, told), force in zip(contacts, forces, strict=True):
-            self._push(key[:2], force, told[5])
-            self._push(key[2:], -force, told[6])
+        touching = self._touching(keys)
+        points, others = (np.array([one[place] for one in told]) for place in (5, 6))
+        slips = touching.own.at(points) - touching.other.at(others)
+        forces = self._grip.forces(
+            keys,
+            places=touching.own.seen(points),
+            normals=np.array([one[7] for one in told]),
+            slips=slips,
+            limits=touching.frictions * [one[9] for one in told],
+            masses=touching.masses,
+            factors=touching.own.axes @ touching.factors @ touching.own.axes.transpose(0, 2, 1),
+        )
+        for key, point, other, force in zip(
+            keys, points.tolist(), others.tolist(), forces, strict=True
+        ):
+            self._push(key[:2], force, point)
+            self._push(key[2:], -force, other)
+
+    def _touching(self, keys: Sequence[Key]) -> Touching:
+        """Return what is known of the two links of each contact."""
+        places = list(dict.fromkeys(place for key in keys for place in (key[:2], key[2:])))
+        numbers = {place: number for number, place in enumerate(places)}
+        motions = Motions(*map(np.array, zip(*map(self._ask, places), strict=True)))
+        counts = Counter(key[:2] for key in keys)
+        pairs = [(self._skins[key[:2]], self._skins[key[2:]]) for key in keys]
+        masses = [
+            _lighter(own.mass, other.mass) / counts[key[:2]]
+            for key, (own, other) in zip(keys, pairs, strict=True)
+        ]
+        return Touching(
+            motions.of([numbers[key[:2]] for key in keys]),
+            motions.of([numbers[key[2:]] for key in keys]),
+            np.array([own.surface.friction * other.surface.friction for own, other in pairs]),
+            np.array(masses),
+            np.array([self._factors[key[:2]] for key in keys]),
+        )
 
     def _contacts(self) -> Iterator[tuple[Key, Any]]:
         """Yield each contact of a link whose friction is ours, once, and what the engine tells."""
@@ -105,24 +142,19 @@ class BulletGrip:
                     continue
                 yield key, told
 
-    def _motion(self, place: tuple[int, int]) -> Motion:
-        known = self._motions.get(place)
-        if known is None:
-            known = self._motions[place] = self._ask(*place)
-        return known
-
-    def _ask(self, body: int, link: int) -> Motion:
+    def _ask(self, place: tuple[int, int]) -> tuple[Any, Any, Any, Any]:
+        """Return centre, axes of the inertial frame, velocity and spin of a link in the world."""
         bullet, client = self._bullet, self._client
+        body, link = place
         if link < 0:
             centre, turn = bullet.getBasePositionAndOrientation(body, client)
             velocity, spin = bullet.getBaseVelocity(body, client)
         else:
             state = bullet.getLinkState(body, link, 1, 1, client)
             centre, turn, velocity, spin = state[0], state[1], state[6], state[7]
-        axes = np.array(geometry.rotation_from_quaternion(turn))
-        return Motion(np.array(centre), axes, np.array(velocity), np.array(spin))
+        return centre, geometry.rotation_from_quaternion(turn), velocity, spin
 
-    def _push(self, place: tuple[int, int], force: Array, point: Vector) -> None:
+    def _push(self, place: tuple[int, int], force: Array, point: Sequence[float]) -> None:
         """Apply a force to a link at a point of the world."""
         if self._skins[place].mass > 0:
             bullet = self._bullet

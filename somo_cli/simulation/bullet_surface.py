@@ -9,6 +9,7 @@ from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.surface import Surface
 
 REBOUND_GAP = 5e-5  # m: how near surfaces must be for the engine to let them collide
+DEFAULT_GAP = 0.02  # engine units: the engine's own
 REBOUND_ERP = 0.02  # share of a depth that is undone in a step
 REBOUND_STEPS = 2.0  # a slower approach than gravity's in so many steps is no impact
 
@@ -32,8 +33,8 @@ def settings(surface: Surface) -> Mapping[str, float]:
     return told
 
 
-def for_rebounds(plan: Plan) -> Mapping[str, float]:
-    """Return the engine's parameters for a scene in which something rebounds, else none.
+def contact_parameters(plan: Plan) -> Mapping[str, float]:
+    """Return what the engine is to be told of contact; more where something rebounds.
 
     Seen in 3.2.7: the engine adds to the speed after an impact what is left of the gap in front of
     a body, or what it has to push out, so that a ball of restitution 0.5 came back with 0 to 0.6
@@ -42,7 +43,8 @@ def for_rebounds(plan: Plan) -> Mapping[str, float]:
     pushed out slowly, and come to rest below a threshold that goes with the step.
     """
     if not any(surface.restitution for surface in plan.surfaces):
-        return {}
+        # seen in 3.2.7: this one is shared by all engines of a process, so none may be left out
+        return {"contactBreakingThreshold": DEFAULT_GAP}
     return {
         "contactBreakingThreshold": REBOUND_GAP * plan.scale.length,
         "contactERP": REBOUND_ERP,

@@ -71,33 +71,24 @@ class Grip:
         forces -= _along(forces, normals)
         return forces
 
+    def let_go(self) -> None:
+        """Forget every spring: nothing touches."""
+        self._keys = ()
+        self._places = self._held = np.zeros((0, 3))
+
     def _found_again(self, keys: Sequence[Key], places: Array) -> Array:
         """Return what each spring held, that of the nearest point of the same two links."""
-        if keys == self._keys:
-            moved = places - self._places
-            if float((moved * moved).sum(axis=1).max(initial=0.0)) <= self._least_apart(keys):
-                return self._held
-        held = np.zeros_like(places)
-        by_key: dict[Key, list[int]] = {}
-        for index, key in enumerate(self._keys):
-            by_key.setdefault(key, []).append(index)
-        for index, key in enumerate(keys):
-            olds = by_key.get(key)
-            if olds:
-                apart = self._places[olds] - places[index]
-                held[index] = self._held[olds[int(np.argmin((apart * apart).sum(axis=1)))]]
-        return held
-
-    def _least_apart(self, keys: Sequence[Key]) -> float:
-        """Return the square of how far a point may go and still be told from its neighbours."""
-        if len(set(keys)) == len(keys):
-            return np.inf
-        nearest = np.inf
-        for index in range(1, len(keys)):
-            if keys[index] == keys[index - 1]:
-                apart = self._places[index] - self._places[index - 1]
-                nearest = min(nearest, float(apart @ apart))
-        return 0.25 * nearest
+        if not self._keys or not keys:
+            return np.zeros_like(places)
+        apart = places[:, None, :] - self._places[None, :, :]
+        squares = (apart * apart).sum(axis=2)
+        now, before = np.array(keys), np.array(self._keys)
+        is_other = (now[:, None, :] != before[None, :, :]).any(axis=2)
+        squares[is_other] = np.inf
+        nearest = squares.argmin(axis=1)
+        is_new = is_other[np.arange(len(keys)), nearest]
+        found: Array = np.where(is_new[:, None], 0.0, self._held[nearest])
+        return found
 
 
 def _along(vectors: Array, normals: Array) -> Array:
