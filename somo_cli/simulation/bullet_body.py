@@ -270,9 +270,11 @@ class BulletBody:
                 angularDamping=0,
                 jointDamping=0,
                 maxJointVelocity=UNLIMITED_RATE,
-                **settings(self._body.surfaces.of(number, len(self.links))),
                 physicsClientId=client,
             )
+            # seen in 3.2.7: said together with a rate, a link's surface is not heard, only a base's
+            surface = settings(self._body.surfaces.of(number, len(self.links)))
+            bullet.changeDynamics(body, link, **surface, physicsClientId=client)
         # every joint has a velocity motor by default; with zero force it is gone, with a force
         # it is dry friction of that torque
         for index, joint in zip(self._joints, self._body.chain.joints, strict=True):

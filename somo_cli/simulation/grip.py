@@ -67,7 +67,7 @@ class Grip:
         # a spring that slips is no longer than the limit, or it would have to unwind
         lengths = np.sqrt((self._held * self._held).sum(axis=1))
         self._held *= np.minimum(1.0, limits / np.maximum(lengths, 1e-300))[:, None]
-        forces = np.einsum("pij,pj->pi", factors, whole)
+        forces: Array = np.einsum("pij,pj->pi", factors, whole)
         forces -= _along(forces, normals)
         return forces
 

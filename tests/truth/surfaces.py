@@ -1,4 +1,4 @@
-"""Surfaces: rebound, spinning, rolling and directed friction, soft contact, against closed forms."""
+"""Surfaces against closed forms: rebound, spinning, rolling, directed friction, soft contact."""
 
 from __future__ import annotations
 
