@@ -15,20 +15,20 @@ from tests.manipulator.bodies import BOX, CAPSULE, STADIUM, Data, actuator, hing
 
 pytest.importorskip("pybullet")
 
-JOINT = hinge(1, 0, 0, spring_stiffness=0.05, spring_damping=0.002, limits=[-3, 3, 10, 10])
+JOINT = hinge(1, 0, 0, spring_stiffness=0.05, spring_damping=0.02, limits=[-3, 3, 10, 10])
 
 
 def finger(link: Data, torque: float, collides: bool, count: int = 12) -> dict[str, np.ndarray]:
-    """Return the columns over a second of a weightless finger that a torque rolls up."""
+    """Return the columns over two seconds of a weightless finger that a torque rolls up."""
     one: dict[str, Any] = {
         "definition": manipulator(actuator(count, JOINT, link=link), world_scale=20),
-        "actuation": [{"actuator": 0, "axis": 0, "waypoints": [[0, 0], [0.5, torque]]}],
+        "actuation": [{"actuator": 0, "axis": 0, "waypoints": [[0, 0], [1.5, torque]]}],
         "self_collision": collides,
     }
     record = {"every": 10, "columns": ["joint_angles", "tip_position", "contact_force"]}
     scene = {"gravity": [0, 0, 0], "manipulators": [one], "record": record}
     plan = make_plan(scene_from_text(json.dumps(scene)))
-    found = np.array(rows_of(plan, 1000))
+    found = np.array(rows_of(plan, 2000))
     return dict(zip(columns.header(plan), found.T, strict=True))
 
 
@@ -40,10 +40,10 @@ def turned(found: dict[str, np.ndarray]) -> float:
 
 
 def test_a_finger_that_curls_onto_its_base_is_stopped_by_it() -> None:
-    # 12 joints of 0.6 rad each would be more than a turn
-    free, stopped = (finger(LINK, 0.03, collides) for collides in (False, True))
-    assert turned(free) > 12 * 0.6
-    assert turned(stopped) < 0.9 * turned(free)
+    # 12 joints of up to 0.8 rad each would be more than a turn
+    free, stopped = (finger(LINK, 0.04, collides) for collides in (False, True))
+    assert turned(free) > 8.5
+    assert 2 * np.pi < turned(stopped) < 7.6
     # what a body does to itself is no force on it
     assert stopped["body.contact.normal_n"][-1] == 0
 
