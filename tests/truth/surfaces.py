@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import math
 from collections.abc import Iterator
 from typing import Any
@@ -12,7 +13,7 @@ import numpy as np
 from somo_cli.simulation import columns
 from somo_cli.simulation.plan import make_plan
 from somo_cli.simulation.scene import Scene
-from tests.loading import rows_of
+from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.truth.table import Row, ordered
 from tests.truth.touching import STEPS, G, last_row, with_cubes
 
@@ -178,3 +179,53 @@ def _rubbing() -> Iterator[Row]:
             ],
             steps,
         )
+    yield from _crawling()
+    yield from _impacts_of_a_chain()
+
+
+def crawled(step: float, time: float, *sets: str) -> float:
+    """Return how far the middle between base and tip of the crawling snake has gone [m]."""
+    end = course(scene_from_file("crawl_scene.yaml", *sets), step, time)
+    way = [(end[f"{place}.{axis}_m"][[0, -1]]) for axis in "xy" for place in PLACES]
+    x, y = ((way[n] + way[n + 1]) / 2 for n in (0, 2))
+    return math.hypot(x[1] - x[0], y[1] - y[0])
+
+
+PLACES = ("crawler.base_pose", "crawler.tip")
+
+
+def _crawling() -> Iterator[Row]:
+    what = "way of the crawling snake in 2 s [m], relative to the finest step"
+    found = [crawled(step, 2) for step in STEPS]
+    for step, way in zip(STEPS, found, strict=True):
+        off = abs(way / found[0] - 1)
+        yield Row(what, "crawl_scene.yaml", f"{step:g} s", way, found[0], off)
+    what = "the same with equal factors [m]"
+    way = crawled(1e-3, 2, "manipulators[0].surface.anisotropic_friction=[1, 1, 1]")
+    yield Row(what, "crawl_scene.yaml", "0.001 s", way, 0, way)
+
+
+def most_gained(step: float, integrator: str, restitution: float) -> float:
+    """Return the largest rise of a falling finger's energy, over what it had at the start."""
+    one = {
+        "definition": "planar_finger.yaml",
+        "base": "free",
+        "position": [0, 0, 0.25],
+        "rpy": [0.4, 0.9, 0],
+        "surface": {"restitution": restitution},
+    }
+    record = {"columns": ["energy"]}
+    scene = {"ground": {}, "integrator": integrator, "manipulators": [one], "record": record}
+    found = course(scene_from_text(json.dumps(scene)), step, 0.6)
+    energy = np.sum([column for name, column in found.items() if ".energy." in name], axis=0)
+    return float((energy - np.minimum.accumulate(energy)).max() / energy[0])
+
+
+def _impacts_of_a_chain() -> Iterator[Row]:
+    what = "largest rise of the energy of a finger that falls on the ground, over that at the start"
+    for integrator, steps in (("explicit", (5e-5,)), ("euler", (1e-3,)), ("implicit", STEPS[:3])):
+        for restitution in (0.0, 0.5, 0.9):
+            for step in steps:
+                found = most_gained(step, integrator, restitution)
+                case = f"{integrator}, restitution {restitution:g}"
+                yield Row(what, case, f"{step:g} s", found, 0, found)
