@@ -189,3 +189,14 @@ def centre_of_mass(chain: Chain, angles: Sequence[float], base: Pose) -> np.ndar
         np.array(pose.point(link.inertial.centre)) * link.inertial.mass for pose, link in pairs
     ]
     return np.sum(weighted, axis=0) / sum(link.inertial.mass for link in chain.links)
+
+
+@pytest.mark.slow
+def test_the_crawler_crawls_and_stays_on_the_ground(somo: Somo, tmp_path: Path) -> None:
+    table = recorded(somo, "crawler_scene", 1000, tmp_path)
+    middle = (
+        columns(table, "base_pose.x_m", "base_pose.y_m") + columns(table, ".tip.x_m", ".tip.y_m")
+    ) / 2
+    # ahead is where the base points, against the wave
+    assert middle[-1, 0] - middle[0, 0] < -0.1
+    assert np.abs(table["crawler.base_pose.z_m"] - 0.015).max() < 1e-4

@@ -38,6 +38,8 @@ Force = Annotated[float, Dimension(mass=1, length=1, time=-2)]  # N
 Torque = Annotated[float, Dimension(mass=1, length=2, time=-2)]  # N·m
 TorquePerPressure = Annotated[float, Dimension(length=3)]  # N·m/Pa
 Stiffness = Annotated[float, Dimension(mass=1, length=2, time=-2)]  # N·m/rad
+ContactStiffness = Annotated[float, Dimension(mass=1, time=-2)]  # N/m
+ContactDamping = Annotated[float, Dimension(mass=1, time=-1)]  # N·s/m
 Damping = Annotated[float, Dimension(mass=1, length=2, time=-1)]  # N·m·s/rad
 
 Position = tuple[Length, Length, Length]

@@ -16,11 +16,13 @@ from types import TracebackType
 from typing import Any
 
 from somo_cli.problems import EngineMissing, EngineRefused
+from somo_cli.simulation import bullet_surface
 from somo_cli.simulation.bullet_body import BulletBody
+from somo_cli.simulation.bullet_grip import BulletGrip, Skin
 from somo_cli.simulation.bullet_thing import BulletThing
 from somo_cli.simulation.c_library import captured_output, decimal_points, duplicate, flush_c
 from somo_cli.simulation.plan import Plan
-from somo_cli.simulation.surface import Ground
+from somo_cli.simulation.surface import Ground, Surface
 from somo_cli.simulation.touching import Place, Touch
 
 GROUND_REACH = 1000.0  # engine units, from the origin
@@ -113,6 +115,9 @@ class BulletWorld:
             solverResidualThreshold=1e-30,
             physicsClientId=self._client,
         )
+        self._bullet.setPhysicsEngineParameter(
+            **bullet_surface.contact_parameters(self._plan), physicsClientId=self._client
+        )
         self._bullet.setGravity(*self._plan.gravity, physicsClientId=self._client)
         with tempfile.TemporaryDirectory(prefix="somo-") as folder:
             for number, body in enumerate(self._plan.bodies):
@@ -127,15 +132,38 @@ class BulletWorld:
                 path.write_text(thing.urdf, encoding="utf-8")
                 self.things.append(BulletThing(self._bullet, self._client, thing, str(path)))
         for number, loaded in enumerate(self.bodies):
-            for link, place in loaded.links.items():
+            for place, link in enumerate(loaded.links):
                 self._places[loaded.index, link] = (number, place)
         for number, loaded_thing in enumerate(self.things, start=len(self.bodies)):
             joints = self._bullet.getNumJoints(loaded_thing.index, self._client)
             for link in range(-1, joints):
                 self._places[loaded_thing.index, link] = (number, 0)
-        if self._plan.ground is not None:
-            index = self._lay_ground(self._plan.ground)
-            self._places[index, -1] = (len(self.bodies) + len(self.things), 0)
+        ground = None if self._plan.ground is None else self._lay_ground(self._plan.ground)
+        if ground is not None:
+            self._places[ground, -1] = (len(self.bodies) + len(self.things), 0)
+        if any(surface.anisotropy is not None for surface in self._plan.surfaces):
+            self.step = self._gripping(self.step, ground)
+
+    def _gripping(self, step: Callable[[], object], ground: int | None) -> Callable[[], object]:
+        """Return a step before which friction that depends on the direction is applied."""
+        found: list[tuple[int, int, Surface]] = []
+        for body, planned in zip(self.bodies, self._plan.bodies, strict=True):
+            found += [
+                (body.index, link, planned.surfaces.of(number, len(body.links)))
+                for number, link in enumerate(body.links)
+            ]
+        for thing, of_thing in zip(self.things, self._plan.things, strict=True):
+            found.append((thing.index, -1, of_thing.thing.surface))
+        if ground is not None and self._plan.ground is not None:
+            found.append((ground, -1, self._plan.ground.surface))
+        skins = [Skin.of(self._bullet, self._client, *one) for one in found]
+        act = BulletGrip(self._bullet, self._client, self._plan.time_step, skins).act
+
+        def step_with_grip() -> None:
+            act()
+            step()
+
+        return step_with_grip
 
     def _lay_ground(self, ground: Ground) -> int:
         # seen in 3.2.7: on a plane (GEOM_PLANE) a sliding box stands on one or two points and
@@ -148,7 +176,7 @@ class BulletWorld:
         below = [0, 0, ground.height - GROUND_DEPTH / 2]
         index: int = bullet.createMultiBody(0, slab, -1, below, physicsClientId=client)
         bullet.changeDynamics(
-            index, -1, lateralFriction=ground.surface.friction, physicsClientId=client
+            index, -1, **bullet_surface.settings(ground.surface), physicsClientId=client
         )
         return index
 

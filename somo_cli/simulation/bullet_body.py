@@ -5,7 +5,7 @@ The engine's module is handed in by `bullet`, which alone imports it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
@@ -15,6 +15,8 @@ from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import EngineRefused
+from somo_cli.simulation.bullet_self import spare_near_links
+from somo_cli.simulation.bullet_surface import settings
 from somo_cli.simulation.plan import Body
 from somo_cli.simulation.readback import EngineJoint, EngineLink, mismatches
 from somo_cli.simulation.springs import Array
@@ -30,9 +32,11 @@ class BulletBody:
         self._client = client
         self._body = body
         self._gravity = gravity
-        # self-collision stays off; the inertia must come from the file, or the engine computes
+        # the inertia must come from the file, or the engine computes
         # its own from the collision shapes
         flags = bullet.URDF_USE_INERTIA_FROM_FILE | bullet.URDF_USE_IMPLICIT_CYLINDER
+        if body.collides_with_itself:
+            flags |= bullet.URDF_USE_SELF_COLLISION
         self.index: int = bullet.loadURDF(
             path,
             useFixedBase=body.base == "static",
@@ -51,6 +55,8 @@ class BulletBody:
         self.apply = self._make_apply()
         self._read_back()
         self._release()
+        if body.collides_with_itself:
+            spare_near_links(bullet, client, self.index, self.links, body.chain)
         self._com_in_base, self._inertial_in_base = self._base_inertial_frame()
         self.reset(body.start.angles, body.start.rates)
         self._gravity_in_base = geometry.rotate(geometry.transposed(self._base_axes()), gravity)
@@ -67,6 +73,11 @@ class BulletBody:
             control(index, joints, mode, forces=torques, physicsClientId=client)
 
         return apply
+
+    @property
+    def links(self) -> tuple[int, ...]:
+        """The engine's numbers of the links, base to tip."""
+        return (-1, *self._joints)
 
     def mass_matrix(self, angles: Sequence[float]) -> Array:
         """Return the joint-space inertia at these angles, shape (n, n).
@@ -194,11 +205,6 @@ class BulletBody:
         linear, angular = self._bullet.getBaseVelocity(self.index, self._client)
         return linear, angular
 
-    @property
-    def links(self) -> Mapping[int, int]:
-        """Where in the chain the link of each of the engine's indices is."""
-        return {-1: 0} | {joint: index for index, joint in enumerate(self._joints, start=1)}
-
     def reset(
         self,
         angles: Sequence[float],
@@ -249,7 +255,7 @@ class BulletBody:
     def _release(self) -> None:
         """Switch off what is in nobody's model: engine damping, rate clamp, joint motors."""
         bullet, body, client = self._bullet, self.index, self._client
-        for link in (-1, *self._joints):
+        for number, link in enumerate(self.links):
             bullet.changeDynamics(
                 body,
                 link,
@@ -257,9 +263,11 @@ class BulletBody:
                 angularDamping=0,
                 jointDamping=0,
                 maxJointVelocity=UNLIMITED_RATE,
-                lateralFriction=self._body.surface.friction,
                 physicsClientId=client,
             )
+            # seen in 3.2.7: said together with a rate, a link's surface is not heard, only a base's
+            surface = settings(self._body.surfaces.of(number, len(self.links)))
+            bullet.changeDynamics(body, link, **surface, physicsClientId=client)
         # every joint has a velocity motor by default; with zero force it is gone, with a force
         # it is dry friction of that torque
         for index, joint in zip(self._joints, self._body.chain.joints, strict=True):
@@ -302,7 +310,7 @@ class BulletBody:
         """
         bullet, client = self._bullet, self._client
         links, joints = [], []
-        for index, link in enumerate((-1, *self._joints)):
+        for index, link in enumerate(self.links):
             dynamics = bullet.getDynamicsInfo(self.index, link, client)
             has_mass = index > 0 or self._body.base != "static"  # a static base reads as mass 0
             links.append(EngineLink(dynamics[0], dynamics[3], dynamics[2]) if has_mass else None)

@@ -8,6 +8,8 @@ from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import EngineRefused
+from somo_cli.simulation.bullet_body import UNLIMITED_RATE
+from somo_cli.simulation.bullet_surface import settings
 from somo_cli.simulation.plan import PlannedThing
 
 
@@ -27,7 +29,9 @@ class BulletThing:
             -1,
             linearDamping=0,
             angularDamping=0,
-            lateralFriction=self._thing.surface.friction,
+            # seen in 3.2.7: no coordinate's rate may be above 100, a base's included
+            maxJointVelocity=UNLIMITED_RATE,
+            **settings(self._thing.surface),
             physicsClientId=client,
         )
         mass = bullet.getDynamicsInfo(self.index, -1, client)[0]

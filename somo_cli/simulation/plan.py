@@ -31,7 +31,7 @@ from somo_cli.simulation.scene import (
 from somo_cli.simulation.scene import Load as LoadOfScene
 from somo_cli.simulation.signal import Input, Signal
 from somo_cli.simulation.stopping import Stop
-from somo_cli.simulation.surface import Ground, Surface
+from somo_cli.simulation.surface import Ground, Surface, Surfaces
 from somo_cli.simulation.things import Reading, Thing
 
 TORQUE = Dimension(mass=1, length=2, time=-2)
@@ -94,7 +94,8 @@ class Body:
     start: Start
     drives: tuple[Drive, ...]
     loads: tuple[Load, ...]
-    surface: Surface
+    surfaces: Surfaces
+    collides_with_itself: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,21 +120,28 @@ class Plan:
     ground: Ground | None
     things: tuple[PlannedThing, ...]
     of_things: tuple[Reading, ...]
+    can_touch: bool
+    """Whether there is anything that a body could touch, itself included."""
     only: tuple[str, ...] = ()
     stops: tuple[Stop, ...] = ()
     ends_in_row: bool = False
     """Whether the last step is recorded wherever it falls; so where a stop may end the run."""
 
     @property
-    def can_touch(self) -> bool:
-        """Whether there is anything that a body could touch; none touches itself."""
-        return len(self.bodies) + len(self.things) > 1 or self.ground is not None
+    def surfaces(self) -> tuple[Surface, ...]:
+        """Every surface of the scene but the ground's."""
+        own = (one for body in self.bodies for one in body.surfaces.all)
+        return (*own, *(planned.thing.surface for planned in self.things))
 
 
 def make_plan(scene: Scene) -> Plan:
     """Return the plan of a scene; the only place where SI becomes engine units."""
     acceleration = scene.scale.factor(Dimension(length=1, time=-2))
-    can_touch = len(scene.manipulators) + len(scene.things) > 1 or scene.ground is not None
+    can_touch = (
+        len(scene.manipulators) + len(scene.things) > 1
+        or scene.ground is not None
+        or any(one.collides_with_itself for one in scene.manipulators)
+    )
     gx, gy, gz = scene.gravity
     return Plan(
         scale=scene.scale,
@@ -149,6 +157,7 @@ def make_plan(scene: Scene) -> Plan:
         only=scene.only,
         stops=tuple(scaled(one, scene.scale) for one in scene.stops),
         ends_in_row=bool(scene.stops),
+        can_touch=can_touch,
     )
 
 
@@ -170,7 +179,8 @@ def _body(manipulator: Manipulator, scale: Scale, can_touch: bool) -> Body:
         start=scaled(start, scale),
         drives=tuple(_drive(entry, chain, scale) for entry in manipulator.actuation),
         loads=tuple(_load(scaled(entry, scale)) for entry in manipulator.loads),
-        surface=scaled(manipulator.surface, scale),
+        surfaces=scaled(manipulator.surfaces, scale),
+        collides_with_itself=manipulator.collides_with_itself,
     )
 
 

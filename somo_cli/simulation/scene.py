@@ -20,7 +20,7 @@ from somo_cli.simulation.actuation import Actuation
 from somo_cli.simulation.signal import Interpolation
 from somo_cli.simulation.sorotraj import Trajectory, trajectory
 from somo_cli.simulation.stopping import Stop
-from somo_cli.simulation.surface import Ground, Surface
+from somo_cli.simulation.surface import Ground, Surfaces
 from somo_cli.simulation.things import Reading, Thing, thing
 
 Integrator = Literal["implicit", "euler", "explicit"]
@@ -103,7 +103,8 @@ class Manipulator:
     angular_velocity: Vector
     actuation: tuple[Actuation, ...]
     loads: tuple[Load, ...]
-    surface: Surface
+    surfaces: Surfaces
+    collides_with_itself: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -228,7 +229,8 @@ def _manipulator(
             for one in actuation.read(item, compiled.definition, known)
         ),
         loads=tuple(_load(item, compiled.chain) for item in data.get("loads", ())),
-        surface=surface.surface(data.get("surface", {})),
+        surfaces=surface.surfaces(data.get("surface", {})),
+        collides_with_itself=bool(data.get("self_collision", False)),
     )
 
 

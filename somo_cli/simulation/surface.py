@@ -1,19 +1,74 @@
-"""How bodies touch: the surfaces of manipulators, and the ground."""
+"""How bodies touch: the surfaces of manipulators and objects, and the ground."""
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from somo_cli.manipulator.dimensions import Length, Number
+from somo_cli.manipulator.dimensions import (
+    ContactDamping,
+    ContactStiffness,
+    Length,
+    Number,
+)
+
+KEYS = (
+    "friction",
+    "spinning_friction",
+    "rolling_friction",
+    "restitution",
+    "contact_stiffness",
+    "contact_damping",
+    "anisotropic_friction",
+)
+"""What may be said of a surface, as it is called in a scene."""
+
+
+@dataclass(frozen=True, slots=True)
+class Compliance:
+    """A spring and a damper in every point of contact, in place of a hard surface."""
+
+    stiffness: ContactStiffness
+    damping: ContactDamping
 
 
 @dataclass(frozen=True, slots=True)
 class Surface:
-    """A coefficient of dry friction; that of a contact is the product of both bodies'."""
+    """What a body or a link is like to touch.
+
+    The friction of a contact is the product of both bodies', as is the restitution. The lever arm
+    of its spinning and rolling friction is a.arm * b.friction + b.arm * a.friction. `anisotropy`
+    are factors of the friction along the link's own axes.
+    """
 
     friction: Number
+    spinning_friction: Length = 0.0
+    rolling_friction: Length = 0.0
+    restitution: Number = 0.0
+    compliance: Compliance | None = None
+    anisotropy: tuple[Number, Number, Number] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Surfaces:
+    """The surfaces of a manipulator: its first link, the last, and those between."""
+
+    base: Surface
+    links: Surface
+    tips: Surface
+
+    def of(self, link: int, count: int) -> Surface:
+        """Return the surface of a link, 0 the base, of a chain of `count` links."""
+        if link == 0:
+            return self.base
+        return self.tips if link == count - 1 else self.links
+
+    @property
+    def all(self) -> tuple[Surface, ...]:
+        """The three."""
+        return self.base, self.links, self.tips
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,11 +79,36 @@ class Ground:
     surface: Surface
 
 
-def surface(data: Mapping[str, Any]) -> Surface:
-    """Return the surface that a sound mapping of a manipulator describes."""
-    return Surface(float(data.get("friction", 0.5)))
+DEFAULT = Surface(0.5)
+"""Of a manipulator and an object."""
+
+DEFAULT_OF_GROUND = Surface(1.0, restitution=1.0)
+"""Where the other body alone decides."""
+
+
+def surfaces(data: Mapping[str, Any]) -> Surfaces:
+    """Return the surfaces that a sound mapping of a manipulator describes."""
+    whole = surface(data)
+    base, links, tips = (surface(data.get(part, {}), whole) for part in ("base", "links", "tips"))
+    return Surfaces(base, links, tips)
+
+
+def surface(data: Mapping[str, Any], default: Surface = DEFAULT) -> Surface:
+    """Return the surface of a sound mapping, whose other keys are of no interest here."""
+    said: dict[str, Any] = {
+        key: float(data[key])
+        for key in ("friction", "spinning_friction", "rolling_friction", "restitution")
+        if key in data
+    }
+    if "contact_stiffness" in data:
+        stiffness, damping = float(data["contact_stiffness"]), float(data["contact_damping"])
+        said["compliance"] = Compliance(stiffness, damping)
+    if "anisotropic_friction" in data:
+        x, y, z = map(float, data["anisotropic_friction"])
+        said["anisotropy"] = (x, y, z)
+    return dataclasses.replace(default, **said)
 
 
 def ground(data: Mapping[str, Any]) -> Ground:
     """Return the ground that a sound mapping describes."""
-    return Ground(float(data.get("height", 0)), Surface(float(data.get("friction", 1))))
+    return Ground(float(data.get("height", 0)), surface(data, DEFAULT_OF_GROUND))

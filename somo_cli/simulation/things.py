@@ -17,7 +17,7 @@ from somo_cli.manipulator.dimensions import (
 )
 from somo_cli.manipulator.read import solid_from
 from somo_cli.manipulator.solids import Inertial
-from somo_cli.simulation.surface import Surface
+from somo_cli.simulation.surface import Surface, surface
 
 Reading = Literal["pose", "velocity", "angles", "contact_force", "contact_pairs"]
 
@@ -55,5 +55,5 @@ def thing(data: Mapping[str, Any]) -> Thing:
         rpy=geometry.vector(data.get("rpy", (0, 0, 0))),
         linear_velocity=geometry.vector(data.get("linear_velocity", (0, 0, 0))),
         angular_velocity=geometry.vector(data.get("angular_velocity", (0, 0, 0))),
-        surface=Surface(float(data.get("friction", 0.5))),
+        surface=surface(data),
     )

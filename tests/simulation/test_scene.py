@@ -14,7 +14,7 @@ from somo_cli.simulation import scene
 from somo_cli.simulation.actuation import Actuation, Oscillation, Waypoints
 from somo_cli.simulation.scene import Load, Scene
 from somo_cli.simulation.signal import Wave
-from somo_cli.simulation.surface import Ground, Surface
+from somo_cli.simulation.surface import DEFAULT, Ground, Surface, Surfaces
 from tests.loading import DEFINITIONS, scene_from_text
 from tests.manipulator.bodies import X, Y, actuator, manipulator
 
@@ -64,7 +64,8 @@ def test_what_is_assumed() -> None:
         "angular_velocity": (0.0, 0.0, 0.0),
         "actuation": (),
         "loads": (),
-        "surface": Surface(0.5),
+        "surfaces": Surfaces(DEFAULT, DEFAULT, DEFAULT),
+        "collides_with_itself": False,
     }
 
 
@@ -119,11 +120,11 @@ def test_everything_said() -> None:
 
 def test_a_ground_and_how_it_is_touched() -> None:
     plain = read({"ground": {}, "manipulators": [{"definition": BODY}]})
-    assert plain.ground == Ground(0.0, Surface(1.0))
+    assert plain.ground == Ground(0.0, Surface(1.0, restitution=1.0))
     one = {"definition": BODY, "surface": {"friction": 2}}
     other = read({"ground": {"height": -1, "friction": 0}, "manipulators": [one]})
-    assert other.ground == Ground(-1.0, Surface(0.0))
-    assert other.manipulators[0].surface == Surface(2.0)
+    assert other.ground == Ground(-1.0, Surface(0.0, restitution=1.0))
+    assert other.manipulators[0].surfaces.all == (Surface(2.0),) * 3
 
 
 def test_loads_are_on_links_of_the_chain() -> None:

@@ -1,0 +1,40 @@
+"""Which links of one manipulator collide with each other in the engine."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from typing import Any
+
+from somo_cli.manipulator.chain import Chain, Shape
+from somo_cli.manipulator.solids import Box
+
+
+def spare_near_links(
+    bullet: Any, client: int, body: int, links: Sequence[int], chain: Chain
+) -> None:
+    """Let only links collide that are farther apart than the body is wide, all joints at zero.
+
+    Nearer ones are neighbours, or overlap where hinges are rounded; they meet at the inner side of
+    a bend tighter than half the width, where a soft body would be squeezed to nothing, and the
+    springs stand for that. The joints of the body are at zero.
+    """
+    width = _width(chain)
+    for (a, link), (b, other) in itertools.combinations(enumerate(links), 2):
+        near = b - a == 1 or bullet.getClosestPoints(
+            body, body, width, linkIndexA=link, linkIndexB=other, physicsClientId=client
+        )
+        if near:
+            bullet.setCollisionFilterPair(body, body, link, other, 0, physicsClientId=client)
+
+
+def _width(chain: Chain) -> float:
+    """Return the larger edge of the widest cross-section; engine units, like the chain."""
+    return max((_across(shape) for link in chain.links for shape in link.shapes), default=0.0)
+
+
+def _across(shape: Shape) -> float:
+    solid = shape.solid
+    if isinstance(solid, Box):
+        return max(solid.size[0], solid.size[1])
+    return 2 * solid.radius
