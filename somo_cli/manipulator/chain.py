@@ -7,13 +7,14 @@ merging (URDF_MERGE_FIXED_LINKS, seen in 3.2.7) drops the parts' centres of mass
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from somo_cli.manipulator import geometry, solids
 from somo_cli.manipulator.definition import (
     ActuatorDefinition,
     Definition,
     JointDefinition,
+    LimbDefinition,
     LinkDefinition,
     Material,
 )
@@ -29,7 +30,7 @@ from somo_cli.manipulator.dimensions import (
     Stiffness,
     Torque,
 )
-from somo_cli.manipulator.geometry import Vector
+from somo_cli.manipulator.geometry import Matrix, Vector
 from somo_cli.manipulator.placement import spread
 from somo_cli.manipulator.solids import Box, Cylinder, Inertial, Solid, Sphere
 
@@ -56,15 +57,18 @@ class Link:
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """A hinge: link `index + 1` turns by the joint's angle about `axis` in link `index`.
+    """A hinge: joint i turns link `i + 1` by its angle about `axis`, in link `parent`.
 
-    `origin` is the child's frame in the parent's, `axis` a unit vector in both. A joint without
-    limits has lower > upper. `actuator` and `channel` say what drives it; `span` is the length
-    of backbone the joint stands for, so that angle / span is its curvature.
+    `origin` and `rpy` are the child's frame in the parent's at an angle of zero, `axis` a unit
+    vector in the child's. A joint without limits has lower > upper. `actuator` and `channel` say
+    what drives it; `span` is the length of backbone the joint stands for, so that angle / span is
+    its curvature.
     """
 
     name: str
+    parent: int
     origin: Position
+    rpy: RollPitchYaw
     axis: Direction
     lower: Angle
     upper: Angle
@@ -85,10 +89,37 @@ class Joint:
 
 
 @dataclass(frozen=True, slots=True)
+class Limb:
+    """A backbone of a chain: joints [first, last) in series, the first of them on the root.
+
+    `tip` is where it ends, a point of its last link, which is the root if it has no joints.
+    Its actuators are numbered from `first_actuator` on. The names of its links and joints start
+    with its own and an underscore; that of a manipulator by itself is empty.
+    """
+
+    name: str
+    first: int
+    last: int
+    first_actuator: int
+    tip: Position
+
+    @property
+    def prefix(self) -> str:
+        """What the names of its links and joints start with."""
+        return f"{self.name}_" if self.name else ""
+
+    @property
+    def last_link(self) -> int:
+        """The link that has the tip."""
+        return self.last if self.last > self.first else 0
+
+
+@dataclass(frozen=True, slots=True)
 class Chain:
-    """A serial chain: joint i joins link i to link i + 1. `tip` is a point of the last link.
+    """Links and joints, parent first: joint i moves link i + 1. `tip` is a point of the last link.
 
     The tip is where the backbone ends: the distal end of the last segment, on the centreline.
+    An assembly has `limbs`, whose joints follow one another; its `length` is the longest limb's.
     """
 
     name: str
@@ -96,6 +127,16 @@ class Chain:
     joints: tuple[Joint, ...]
     tip: Position
     length: Length
+    limbs: tuple[Limb, ...] = ()
+
+    @property
+    def backbones(self) -> tuple[Limb, ...]:
+        """The limbs, or for a manipulator by itself the one that it is."""
+        return self.limbs or (Limb("", 0, len(self.joints), 0, self.tip),)
+
+    def backbone_of(self, joint: Joint) -> Limb:
+        """Return the limb that has the actuator of a joint."""
+        return [limb for limb in self.backbones if limb.first_actuator <= joint.actuator][-1]
 
 
 @dataclass(slots=True)
@@ -121,6 +162,8 @@ class _Body:
 
 def build(definition: Definition) -> Chain:
     """Return the chain of a definition; never fails for one that was read without faults."""
+    if definition.limbs:
+        return _assembled(definition)
     bodies = [_Body("base", geometry.ZERO)]
     joints: list[Joint] = []
     end = 0.0
@@ -137,6 +180,69 @@ def build(definition: Definition) -> Chain:
         geometry.subtract((0.0, 0.0, end), bodies[-1].origin),
         end,
     )
+
+
+def _assembled(definition: Definition) -> Chain:
+    """Return the tree of an assembly: the chain of each limb, its root lumped with the body."""
+    body = _Body("base", geometry.ZERO)
+    links: list[Link] = []
+    joints: list[Joint] = []
+    limbs: list[Limb] = []
+    if definition.base is not None:
+        _add_rounded_end(body, definition.base, 0.0, at_base=True)
+        _round(body, definition.base, body.shapes[0].position, at_base=False)
+    length, first_actuator = 0.0, 0
+    for limb in definition.limbs:
+        actuators = definition.actuators[first_actuator : first_actuator + limb.n_actuators]
+        alone = build(Definition(limb.name, None, limb.base, actuators, limb.tips))
+        rotation = geometry.rotation_from_rpy(limb.rpy)
+        _lump(body, alone.links[0], limb.position, rotation)
+        first = len(joints)
+        joints.extend(
+            _mounted(joint, limb, rotation, first, first_actuator) for joint in alone.joints
+        )
+        links.extend(replace(link, name=f"{limb.name}_{link.name}") for link in alone.links[1:])
+        tip = alone.tip
+        if not alone.joints:
+            tip = geometry.add(limb.position, geometry.rotate(rotation, tip))
+        limbs.append(Limb(limb.name, first, len(joints), first_actuator, tip))
+        first_actuator += limb.n_actuators
+        length = max(length, alone.length)
+    return Chain(
+        definition.name,
+        (body.link(), *links),
+        tuple(joints),
+        limbs[-1].tip,
+        length,
+        tuple(limbs),
+    )
+
+
+def _lump(body: _Body, root: Link, position: Vector, rotation: Matrix) -> None:
+    """Make the root link of a limb a part of the body, in which it has this pose."""
+    body.inertials.append(solids.placed(root.inertial, position, rotation))
+    for shape in root.shapes:
+        turned = geometry.multiply(rotation, geometry.rotation_from_rpy(shape.rpy))
+        body.shapes.append(
+            replace(
+                shape,
+                position=geometry.add(position, geometry.rotate(rotation, shape.position)),
+                rpy=geometry.rpy_from_rotation(turned),
+            )
+        )
+
+
+def _mounted(
+    joint: Joint, limb: LimbDefinition, rotation: Matrix, first: int, first_actuator: int
+) -> Joint:
+    """Return a joint of a limb alone as that of an assembly in which `first` joints precede."""
+    joint = replace(
+        joint, name=f"{limb.name}_{joint.name}", actuator=first_actuator + joint.actuator
+    )
+    if joint.parent > 0:
+        return replace(joint, parent=first + joint.parent)
+    origin = geometry.add(limb.position, geometry.rotate(rotation, joint.origin))
+    return replace(joint, origin=origin, rpy=limb.rpy)
 
 
 def _add_actuator(
@@ -159,6 +265,7 @@ def _add_actuator(
                     _hinge(
                         joint,
                         f"actuator_{index}_joint_{place}",
+                        len(bodies) - 1,
                         geometry.subtract(hinge, bodies[-1].origin),
                         index,
                         actuator.channels[segment - 1],
@@ -179,11 +286,19 @@ def _inertial(link: LinkDefinition, fraction: float = 1.0) -> Inertial:
 
 
 def _hinge(
-    joint: JointDefinition, name: str, origin: Vector, actuator: int, channel: int, span: float
+    joint: JointDefinition,
+    name: str,
+    parent: int,
+    origin: Vector,
+    actuator: int,
+    channel: int,
+    span: float,
 ) -> Joint:
     return Joint(
         name=name,
+        parent=parent,
         origin=origin,
+        rpy=geometry.ZERO,
         axis=geometry.unit(joint.axis),
         lower=joint.lower,
         upper=joint.upper,
@@ -239,22 +354,26 @@ def _roll(box: Box, along: tuple[float, float]) -> tuple[Cylinder, Vector]:
 def _add_rounded_end(body: _Body, part: LinkDefinition, start: float, at_base: bool) -> float:
     """Add a base or tip; without a hinge to round, a stadium or capsule has its free end round."""
     body.add(part, part.solid, _inertial(part), start)
-    end = start + part.height
-    if part.shape_type in ("stadium", "capsule"):
-        rotation = geometry.rotation_from_rpy(part.offset_rpy)
-        face = -part.height / 2 if at_base else part.height / 2
-        body_centre = body.shapes[-1].position
-        at = geometry.add(body_centre, geometry.rotate(rotation, (0.0, 0.0, face)))
-        if isinstance(part.solid, Cylinder):
-            cap: Solid = Sphere(part.solid.radius)
-            rpy = geometry.ZERO
-        elif isinstance(part.solid, Box):
-            cap = Cylinder(part.solid.size[0], part.solid.size[1] / 2)
-            # the cylinder lies along the part's own x axis: R(rpy) · Ry(π/2)
-            rpy = geometry.rpy_from_rotation(
-                geometry.multiply(rotation, geometry.rotation_from_rpy((0.0, math.pi / 2, 0.0)))
-            )
-        else:
-            return end
-        body.shapes.append(Shape(cap, at, rpy, part.material, part.visual_factor))
-    return end
+    _round(body, part, body.shapes[-1].position, at_base)
+    return start + part.height
+
+
+def _round(body: _Body, part: LinkDefinition, centre: Vector, at_base: bool) -> None:
+    """Add what rounds an end of a part whose solid is centred there; others get nothing."""
+    if part.shape_type not in ("stadium", "capsule"):
+        return
+    rotation = geometry.rotation_from_rpy(part.offset_rpy)
+    face = -part.height / 2 if at_base else part.height / 2
+    at = geometry.add(centre, geometry.rotate(rotation, (0.0, 0.0, face)))
+    if isinstance(part.solid, Cylinder):
+        cap: Solid = Sphere(part.solid.radius)
+        rpy = geometry.ZERO
+    elif isinstance(part.solid, Box):
+        cap = Cylinder(part.solid.size[0], part.solid.size[1] / 2)
+        # the cylinder lies along the part's own x axis: R(rpy) · Ry(π/2)
+        rpy = geometry.rpy_from_rotation(
+            geometry.multiply(rotation, geometry.rotation_from_rpy((0.0, math.pi / 2, 0.0)))
+        )
+    else:
+        return
+    body.shapes.append(Shape(cap, at, rpy, part.material, part.visual_factor))

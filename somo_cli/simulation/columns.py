@@ -13,7 +13,7 @@ from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose, link_poses
 from somo_cli.simulation.dynamics import ChainDynamics
 from somo_cli.simulation.plan import TORQUE, Body, Plan
-from somo_cli.simulation.scene import Quantity
+from somo_cli.simulation.scene import Quantity, tips
 from somo_cli.simulation.things import Reading
 from somo_cli.simulation.world import WorldThing
 
@@ -150,7 +150,7 @@ def _names(body: Body, quantity: Quantity) -> list[str]:
     joints = [joint.name for joint in body.chain.joints]
     links = [link.name for link in body.chain.links]
     if quantity == "actuation":
-        return [f"actuator_{a}_axis_{x}.torque_nm" for a, x in _channels(body)]
+        return [f"{name}.torque_nm" for name in _names_of_channels(body)]
     suffixes: dict[Quantity, tuple[list[str], tuple[str, ...]]] = {
         "joint_angles": (joints, ("angle_rad",)),
         "joint_rates": (joints, ("rate_rad_per_s",)),
@@ -159,7 +159,7 @@ def _names(body: Body, quantity: Quantity) -> list[str]:
         "link_positions": (links, _XYZ),
         "link_orientations": (links, _XYZW),
         "base_pose": (["base_pose"], _XYZ + _XYZW),
-        "tip_position": (["tip"], _XYZ),
+        "tip_position": (list(tips(body.chain)), _XYZ),
         "energy": (["energy"], _ENERGIES),
         "contact_force": (["contact"], _FORCES),
     }
@@ -169,6 +169,16 @@ def _names(body: Body, quantity: Quantity) -> list[str]:
 
 def _channels(body: Body) -> list[tuple[int, int]]:
     return sorted({(joint.actuator, joint.channel) for joint in body.chain.joints})
+
+
+def _names_of_channels(body: Body) -> list[str]:
+    names: dict[tuple[int, int], str] = {}
+    for joint in body.chain.joints:
+        limb = body.chain.backbone_of(joint)
+        number = joint.actuator - limb.first_actuator
+        name = f"{limb.prefix}actuator_{number}_axis_{joint.channel}"
+        names[joint.actuator, joint.channel] = name
+    return [names[channel] for channel in _channels(body)]
 
 
 def _angles(state: State, units: Units) -> Iterator[float]:
@@ -213,8 +223,9 @@ def _base_pose(state: State, units: Units) -> Iterator[float]:
 
 
 def _tip_position(state: State, units: Units) -> Iterator[float]:
-    tip = state.poses[-1].point(state.body.chain.tip)
-    yield from (coordinate / units.length for coordinate in tip)
+    for limb in state.body.chain.backbones:
+        tip = state.poses[limb.last_link].point(limb.tip)
+        yield from (coordinate / units.length for coordinate in tip)
 
 
 def _energy(state: State, units: Units) -> Iterator[float]:
