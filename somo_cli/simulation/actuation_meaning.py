@@ -123,7 +123,9 @@ def faults_of_axes(
                 where = (*place, "actuators", index) if is_list else (*place, "actuators")
             if actuator not in axes:
                 hint = _known("actuator", axes)
-                yield Problem(document.span(where), f"there is no actuator {actuator}{of}", hint)
+                message = f"there is no actuator {actuator}"
+                message = f"limb '{limb}' has no actuator {actuator}" if limb else message
+                yield Problem(document.span(where), message, hint)
             elif axis not in axes[actuator]:
                 message = f"actuator {actuator}{of} has no axis {axis}"
                 hint = _known("axis", axes[actuator])
