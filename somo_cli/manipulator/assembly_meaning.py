@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from somo_cli.document.parse import Document
-from somo_cli.manipulator import assembly, chain, meaning
+from somo_cli.manipulator import assembly, chain, meaning, tree
 from somo_cli.manipulator import read as manipulator_read
 from somo_cli.manipulator.definition import MAXIMUM_JOINTS
 from somo_cli.manipulator.dimensions import Scale
@@ -125,7 +125,7 @@ def _scale_faults(
 
 
 def _count_faults(document: Document, at: Pointer) -> Iterator[Problem]:
-    count = len(chain.build(assembly.read(document, at)).joints)
+    count = len(tree.build(assembly.read(document, at)).joints)
     if count > MAXIMUM_JOINTS:
         yield Problem(
             document.span((*at, "limbs"), key=True),

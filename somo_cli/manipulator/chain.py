@@ -7,14 +7,13 @@ merging (URDF_MERGE_FIXED_LINKS, seen in 3.2.7) drops the parts' centres of mass
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from somo_cli.manipulator import geometry, solids
 from somo_cli.manipulator.definition import (
     ActuatorDefinition,
     Definition,
     JointDefinition,
-    LimbDefinition,
     LinkDefinition,
     Material,
 )
@@ -30,7 +29,7 @@ from somo_cli.manipulator.dimensions import (
     Stiffness,
     Torque,
 )
-from somo_cli.manipulator.geometry import Matrix, Vector
+from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.placement import spread
 from somo_cli.manipulator.solids import Box, Cylinder, Inertial, Solid, Sphere
 
@@ -92,9 +91,9 @@ class Joint:
 class Limb:
     """A backbone of a chain: joints [first, last) in series, the first of them on the root.
 
-    `tip` is where it ends, a point of its last link, which is the root if it has no joints.
-    Its actuators are numbered from `first_actuator` on. The names of its links and joints start
-    with its own and an underscore; that of a manipulator by itself is empty.
+    `tip` is where it ends, a point of its last link. Its actuators are numbered from
+    `first_actuator` on. The names of its links and joints start with its own and an underscore;
+    that of a manipulator by itself is empty.
     """
 
     name: str
@@ -111,7 +110,7 @@ class Limb:
     @property
     def last_link(self) -> int:
         """The link that has the tip."""
-        return self.last if self.last > self.first else 0
+        return self.last  # joint i moves link i + 1; the root, where there are no joints
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,14 +160,15 @@ class _Body:
 
 
 def build(definition: Definition) -> Chain:
-    """Return the chain of a definition; never fails for one that was read without faults."""
-    if definition.limbs:
-        return _assembled(definition)
+    """Return the chain of a definition without limbs; never fails for one without faults."""
+    assert not definition.limbs
     bodies = [_Body("base", geometry.ZERO)]
     joints: list[Joint] = []
     end = 0.0
     if definition.base is not None:
         end = _add_rounded_end(bodies[0], definition.base, end, at_base=True)
+        if not definition.actuators:  # the body of an assembly, both of whose ends are free
+            _round(bodies[0], definition.base, bodies[0].shapes[0].position, at_base=False)
     for index, actuator in enumerate(definition.actuators):
         end = _add_actuator(bodies, joints, actuator, index, end)
     for tip in definition.tips:
@@ -180,69 +180,6 @@ def build(definition: Definition) -> Chain:
         geometry.subtract((0.0, 0.0, end), bodies[-1].origin),
         end,
     )
-
-
-def _assembled(definition: Definition) -> Chain:
-    """Return the tree of an assembly: the chain of each limb, its root lumped with the body."""
-    body = _Body("base", geometry.ZERO)
-    links: list[Link] = []
-    joints: list[Joint] = []
-    limbs: list[Limb] = []
-    if definition.base is not None:
-        _add_rounded_end(body, definition.base, 0.0, at_base=True)
-        _round(body, definition.base, body.shapes[0].position, at_base=False)
-    length, first_actuator = 0.0, 0
-    for limb in definition.limbs:
-        actuators = definition.actuators[first_actuator : first_actuator + limb.n_actuators]
-        alone = build(Definition(limb.name, None, limb.base, actuators, limb.tips))
-        rotation = geometry.rotation_from_rpy(limb.rpy)
-        _lump(body, alone.links[0], limb.position, rotation)
-        first = len(joints)
-        joints.extend(
-            _mounted(joint, limb, rotation, first, first_actuator) for joint in alone.joints
-        )
-        links.extend(replace(link, name=f"{limb.name}_{link.name}") for link in alone.links[1:])
-        tip = alone.tip
-        if not alone.joints:
-            tip = geometry.add(limb.position, geometry.rotate(rotation, tip))
-        limbs.append(Limb(limb.name, first, len(joints), first_actuator, tip))
-        first_actuator += limb.n_actuators
-        length = max(length, alone.length)
-    return Chain(
-        definition.name,
-        (body.link(), *links),
-        tuple(joints),
-        limbs[-1].tip,
-        length,
-        tuple(limbs),
-    )
-
-
-def _lump(body: _Body, root: Link, position: Vector, rotation: Matrix) -> None:
-    """Make the root link of a limb a part of the body, in which it has this pose."""
-    body.inertials.append(solids.placed(root.inertial, position, rotation))
-    for shape in root.shapes:
-        turned = geometry.multiply(rotation, geometry.rotation_from_rpy(shape.rpy))
-        body.shapes.append(
-            replace(
-                shape,
-                position=geometry.add(position, geometry.rotate(rotation, shape.position)),
-                rpy=geometry.rpy_from_rotation(turned),
-            )
-        )
-
-
-def _mounted(
-    joint: Joint, limb: LimbDefinition, rotation: Matrix, first: int, first_actuator: int
-) -> Joint:
-    """Return a joint of a limb alone as that of an assembly in which `first` joints precede."""
-    joint = replace(
-        joint, name=f"{limb.name}_{joint.name}", actuator=first_actuator + joint.actuator
-    )
-    if joint.parent > 0:
-        return replace(joint, parent=first + joint.parent)
-    origin = geometry.add(limb.position, geometry.rotate(rotation, joint.origin))
-    return replace(joint, origin=origin, rpy=limb.rpy)
 
 
 def _add_actuator(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from somo_cli.document.include import unread
 from somo_cli.document.parse import Document
 from somo_cli.document.validate import faults_of_shape, soundness
-from somo_cli.manipulator import assembly, assembly_meaning, chain, urdf
+from somo_cli.manipulator import assembly, assembly_meaning, tree, urdf
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.definition import Definition
 from somo_cli.manipulator.dimensions import Scale, scaled
@@ -74,7 +74,7 @@ def compile_sound(document: Document, at: Pointer, warnings: tuple[Problem, ...]
     """Compile the definition at a pointer, in which no error was found."""
     definition = assembly.read(document, at)
     scale = assembly.world_scale(document, at)
-    return Compiled(definition, chain.build(definition), scale, warnings)
+    return Compiled(definition, tree.build(definition), scale, warnings)
 
 
 def compile_definition(document: Document) -> Compiled:
