@@ -223,8 +223,10 @@ def _base_pose(state: State, units: Units) -> Iterator[float]:
 
 
 def _tip_position(state: State, units: Units) -> Iterator[float]:
-    for limb in state.body.chain.backbones:
-        tip = state.poses[limb.last_link].point(limb.tip)
+    chain = state.body.chain
+    ends = [(limb.last_link, limb.tip) for limb in chain.limbs] or [(-1, chain.tip)]
+    for link, position in ends:
+        tip = state.poses[link].point(position)
         yield from (coordinate / units.length for coordinate in tip)
 
 

@@ -12,7 +12,7 @@ import pytest
 
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
-from somo_cli.simulation import columns, run, runner
+from somo_cli.simulation import columns, run, runner, watch
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.dynamics import ChainDynamics
 from somo_cli.simulation.loads import generalised, stiffness_of
@@ -25,13 +25,18 @@ from tests.simulation.test_physics import momentum
 FINGER = "definition: finger.yaml"
 LEFT = ((-0.04, 0.01, 0.02), (0.2, -0.6, 0.3))
 RIGHT = ((0.04, 0.0, 0.02), (0.0, 0.6, -0.4))
+BODY = "{shape_type: box, dimensions: [0.12, 0.08, 0.02], mass: 0.3}"
+PLACED = {
+    name: f"{FINGER}, position: {list(at)}, rpy: {list(rpy)}"
+    for name, (at, rpy) in (("left", LEFT), ("right", RIGHT))
+}
 PAIR = f"""
     definition:
       assembly_name: pair
-      body_definition: {{shape_type: box, dimensions: [0.12, 0.08, 0.02], mass: 0.3}}
+      body_definition: {BODY}
       limbs:
-        - {{name: left, {FINGER}, position: {list(LEFT[0])}, rpy: {list(LEFT[1])}}}
-        - {{name: right, {FINGER}, position: {list(RIGHT[0])}, rpy: {list(RIGHT[1])}}}
+        - {{name: left, {PLACED["left"]}}}
+        - {{name: right, {PLACED["right"]}}}
 """
 BASE = "    position: [0.1, -0.2, 0.3]\n    rpy: [0.3, -0.2, 0.5]\n"
 TORQUES = {("left", 0): 0.03, ("left", 1): 0.01, ("right", 0): -0.02, ("right", 1): 0.02}
@@ -240,3 +245,18 @@ def test_a_wave_runs_through_limbs_and_within_them_through_actuators() -> None:
     assert [first.actuator, second.actuator] == [1, 0]
     phases = [entry.course.wave.phase for entry in (first, second)]  # type: ignore[union-attr]
     assert phases == [0.0, -0.25]
+
+
+def test_the_watch_follows_every_limb_from_the_body() -> None:
+    """What gravity can give beyond the root is the sum of what it can give the limbs."""
+
+    def beyond_the_root(names: tuple[str, ...]) -> float:
+        kept = ", ".join(f"{{name: {name}, {PLACED[name]}}}" for name in names)
+        text = f"assembly_name: pair\nbody_definition: {BODY}\nlimbs: [{kept}]\n"
+        body = make_plan(scene_from_text(text)).bodies[0]
+        root = body.chain.links[0].inertial
+        return watch._fall(body) - 2 * root.mass * geometry.norm(root.centre)
+
+    left, right = beyond_the_root(("left",)), beyond_the_root(("right",))
+    assert left > 0 < right
+    assert beyond_the_root(("left", "right")) == pytest.approx(left + right, rel=1e-12)
