@@ -38,6 +38,7 @@ class ChainDynamics:
         self.stiffness: Array = np.array([joint.stiffness for joint in joints])
         self.damping: Array = np.array([joint.damping for joint in joints])
         self.neutral: Array = np.array([joint.neutral_position for joint in joints])
+        self.tip: Array = np.array(chain.tip)
         self.tips = tuple((limb.last_link, np.array(limb.tip)) for limb in chain.backbones)
         # joints in series, and for each link the joints that move it: [first of its limb, link)
         self.limbs = tuple(slice(limb.first, limb.last) for limb in chain.backbones)
