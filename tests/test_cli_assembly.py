@@ -123,3 +123,22 @@ def test_a_closed_form_is_about_one_manipulator(somo: Somo, here: Path) -> None:
     done = somo("report", here / "named.yaml", "--duration", "0.05")
     assert done.returncode == 3
     assert "it is about a manipulator by itself, not an assembly" in done.stderr
+
+
+def test_a_finding_is_about_the_part_of_the_limb(somo: Somo, here: Path) -> None:
+    text = (here / "finger.yaml").read_text("utf-8")
+    assert text.count("[0.015]") == 1
+    tiny = text.replace("[0.015]", "[0.0001]")
+    (here / "tiny.yaml").write_text(tiny, "utf-8")
+    pair = PAIR.replace("right, definition: finger.yaml", "right, definition: tiny.yaml")
+    (here / "pair.yaml").write_text(pair, "utf-8")
+    scene = "manipulators: [{definition: pair.yaml, position: [0, 0, 1]}]\nground: {}\n"
+    (here / "small.yaml").write_text(scene, "utf-8")
+    done = somo("check", "--numerics", "--json", here / "small.yaml")
+    (found,) = (
+        one for one in json.loads(done.stdout)["findings"] if one["code"] == "small-for-contact"
+    )
+    lines = tiny.splitlines()
+    assert Path(found["path"]).name == "tiny.yaml"
+    assert lines[found["line"] - 2].startswith("tip_definition:")
+    assert "right_actuator_0_segment_10" in found["message"]
