@@ -11,7 +11,8 @@ from somo_cli.document.edit import override
 from somo_cli.document.include import include
 from somo_cli.document.parse import Document, parse
 from somo_cli.manipulator import compile as compiler
-from somo_cli.problems import InvalidFile, Problem, has_errors
+from somo_cli.manipulator.assembly import is_assembly
+from somo_cli.problems import InvalidFile, Pointer, Problem, has_errors
 from somo_cli.simulation import meaning, scene, sorotraj_meaning
 from somo_cli.simulation.scene import Scene
 
@@ -35,7 +36,7 @@ def load_text(text: str, source: str, sets: Sequence[str] = ()) -> Document:
 
 
 def judged(document: Document) -> tuple[Problem, ...]:
-    """Return every error and warning about a definition, a scene or a trajectory."""
+    """Return every error and warning about a definition, an assembly, a scene or a trajectory."""
     if sorotraj_meaning.is_trajectory(document):
         return sorotraj_meaning.faults_of_file(document)
     return meaning.faults(document) if scene.is_scene(document) else compiler.faults(document)
@@ -66,6 +67,18 @@ def refuse_several(document: Document, found: scene.Scene, what_is: str) -> None
         place = document.span(("manipulators", 1))
         message = f"there are several manipulators, and {what_is} about one"
         raise InvalidFile([Problem(place, message, "give a scene of one")], document.texts)
+    if found.manipulators[0].compiled.chain.limbs:
+        is_scene = scene.is_scene(document)
+        refuse_assembly(document, what_is, ("manipulators", 0, "definition") if is_scene else ())
+
+
+def refuse_assembly(document: Document, what_is: str, at: Pointer = ()) -> None:
+    """Raise InvalidFile for an assembly at a pointer, and `what_is` about one manipulator."""
+    if is_assembly(document.at(at)):
+        place = document.span((*at, "limbs"), key=True)
+        message = f"this is an assembly, and {what_is} about one manipulator"
+        hint = "give the definition of one of its limbs"
+        raise InvalidFile([Problem(place, message, hint)], document.texts)
 
 
 def as_scene(document: Document) -> Document:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -168,16 +169,26 @@ def _smallest(solid: Solid) -> float:
 
 def _place_of(chain: Chain, document: Document, at: Pointer, link: int) -> Pointer:
     """Return where a link of the chain is described."""
-    data = document.at(at)
-    keys = data if isinstance(data, dict) else {}
+    keys = _mapping(document.at(at))
+    if link == 0 and chain.limbs:
+        return (*at, "body_definition")
     if link == 0 and "base_definition" in keys:
         return (*at, "base_definition")
-    if link == len(chain.joints):
+    joint = chain.joints[max(0, link - 1)]
+    limb = chain.backbone_of(joint)
+    if chain.limbs:
+        at = (*at, "limbs", chain.limbs.index(limb), "definition")
+        keys = _mapping(document.at(at))
+    if link == limb.last_link:
         for key in ("tip_definition", "tip_definitions"):
             if keys.get(key):
                 return (*at, key)
-    actuator = chain.joints[max(0, link - 1)].actuator
+    actuator = joint.actuator - limb.first_actuator
     return (*at, "actuator_definitions", actuator, "link_definition")
+
+
+def _mapping(data: object) -> Mapping[str, Any]:
+    return data if isinstance(data, dict) else {}
 
 
 def _one_digit_below(value: float) -> float:

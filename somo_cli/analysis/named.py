@@ -110,6 +110,8 @@ def _the_one(scene: Scene) -> Manipulator:
     if len(scene.manipulators) != 1:
         raise NotTheCase(f"it is about one manipulator, not {len(scene.manipulators)}")
     one = scene.manipulators[0]
+    if one.compiled.chain.limbs:
+        raise NotTheCase("it is about a manipulator by itself, not an assembly")
     if one.base != "static":
         raise NotTheCase(f"it is about a static base, not a {one.base} one")
     return one

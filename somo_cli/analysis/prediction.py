@@ -131,7 +131,10 @@ def motion_of(
     gravity of 9.81 m/s² sideways.
     """
     chain, length = pose.chain, body.chain.length
-    tips = np.linalg.norm(_tip_jacobian(pose) @ modes.shapes, axis=0)
+    # of an assembly the tip that a mode moves most
+    tips = np.max(
+        [np.linalg.norm(one @ modes.shapes, axis=0) for one in pose.tip_jacobians()], axis=0
+    )
     found = vibration(body, pose, modes, plan.gravity, horizon)
     swings = found.largest
     is_assumed = float(tips @ swings) <= 1e-12 * length
@@ -154,8 +157,3 @@ def motion_of(
         is_free=body.base == "free",
         is_assumed=is_assumed,
     )
-
-
-def _tip_jacobian(pose: ChainPose) -> Array:
-    jacobian: Array = np.cross(pose.axes, pose.tip - pose.origins[1:]).T
-    return jacobian

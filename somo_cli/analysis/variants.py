@@ -57,12 +57,12 @@ def _cut(one: Manipulator, count: int) -> Manipulator:
 
 
 def _moved(load: Load, before: Chain, after: Chain) -> Load:
-    """Return a load on the base or on the last link, at the same place from the tip."""
+    """Return a load on the base or on the last link of a limb, at the same place from the tip."""
     if load.link == 0:
         return load
-    if load.link != len(before.joints):
-        link = before.links[load.link].name
-        raise segments.NotUniform(f"there is a load on {link}, which may have no counterpart")
-    from_tip = geometry.subtract(load.point, before.tip)
-    point = geometry.add(after.tip, from_tip)
-    return dataclasses.replace(load, link=len(after.joints), point=point)
+    for old, new in zip(before.backbones, after.backbones, strict=True):
+        if load.link == old.last_link:
+            point = geometry.add(new.tip, geometry.subtract(load.point, old.tip))
+            return dataclasses.replace(load, link=new.last_link, point=point)
+    link = before.links[load.link].name
+    raise segments.NotUniform(f"there is a load on {link}, which may have no counterpart")

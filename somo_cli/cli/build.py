@@ -20,7 +20,9 @@ from somo_cli.cli.door import (
 @app.command(epilog=EXIT_CODES)
 @ending
 def build(
-    definition: Annotated[str, typer.Argument(help="A manipulator definition, YAML or JSON.")],
+    definition: Annotated[
+        str, typer.Argument(help="A definition of a manipulator or an assembly, YAML or JSON.")
+    ],
     output: Annotated[
         str | None,
         typer.Option(
@@ -41,7 +43,10 @@ def build(
     tip_frame: Annotated[
         str | None,
         typer.Option(
-            "--tip-frame", metavar="NAME", help="Add a massless link of that name at the tip."
+            "--tip-frame",
+            metavar="NAME",
+            help="Add a massless link of that name at the tip; for each limb of an assembly one, "
+            "such as thumb_NAME.",
         ),
     ] = None,
     verify: Annotated[
@@ -50,7 +55,7 @@ def build(
     ] = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Compile a manipulator definition into a scaled URDF."""
+    """Compile the definition of a manipulator or an assembly into a scaled URDF."""
     from somo_cli import loading
     from somo_cli.manipulator.compile import compile_definition
     from somo_cli.manipulator.dimensions import Scale
@@ -64,7 +69,9 @@ def build(
     compiled = compile_definition(document)
     terminal.say_problems(compiled.warnings, document.texts)
     names = {link.name for link in compiled.chain.links}
-    require(tip_frame not in names, "--tip-frame", f"{tip_frame} is the name of a link already")
+    frames = {f"{limb.prefix}{tip_frame}" for limb in compiled.chain.backbones}
+    is_new = tip_frame is None or names.isdisjoint(frames)
+    require(is_new, "--tip-frame", f"{tip_frame} is the name of a link already")
     own = compiled.scale or Scale()
     wanted = own if scale is None else Scale(scale, own.mass)
     text = compiled.urdf(wanted, tip_frame)

@@ -82,6 +82,7 @@ def _from_definition(path: str, actuator: int, axis: int, at: float | None) -> G
 
     document = loading.load(path)
     loading.refuse_scene(document)
+    loading.refuse_assembly(document, "a calibration is")
     compiled = compile_definition(document)
     terminal.say_problems(compiled.warnings, document.texts)
     known = levers.of_definition(compiled.definition, actuator, axis, at)

@@ -26,7 +26,8 @@ if TYPE_CHECKING:
 @ending
 def check(
     paths: Annotated[
-        list[str], typer.Argument(metavar="FILE...", help="Definitions, scenes, trajectories.")
+        list[str],
+        typer.Argument(metavar="FILE...", help="Definitions, assemblies, scenes, trajectories."),
     ],
     numerics: Annotated[
         bool,

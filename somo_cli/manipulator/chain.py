@@ -56,15 +56,18 @@ class Link:
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """A hinge: link `index + 1` turns by the joint's angle about `axis` in link `index`.
+    """A hinge: joint i turns link `i + 1` by its angle about `axis`, in link `parent`.
 
-    `origin` is the child's frame in the parent's, `axis` a unit vector in both. A joint without
-    limits has lower > upper. `actuator` and `channel` say what drives it; `span` is the length
-    of backbone the joint stands for, so that angle / span is its curvature.
+    `origin` and `rpy` are the child's frame in the parent's at an angle of zero, `axis` a unit
+    vector in the child's. A joint without limits has lower > upper. `actuator` and `channel` say
+    what drives it; `span` is the length of backbone the joint stands for, so that angle / span is
+    its curvature.
     """
 
     name: str
+    parent: int
     origin: Position
+    rpy: RollPitchYaw
     axis: Direction
     lower: Angle
     upper: Angle
@@ -85,10 +88,37 @@ class Joint:
 
 
 @dataclass(frozen=True, slots=True)
+class Limb:
+    """A backbone of a chain: joints [first, last) in series, the first of them on the root.
+
+    `tip` is where it ends, a point of its last link. Its actuators are numbered from
+    `first_actuator` on. The names of its links and joints start with its own and an underscore;
+    that of a manipulator by itself is empty.
+    """
+
+    name: str
+    first: int
+    last: int
+    first_actuator: int
+    tip: Position
+
+    @property
+    def prefix(self) -> str:
+        """What the names of its links and joints start with."""
+        return f"{self.name}_" if self.name else ""
+
+    @property
+    def last_link(self) -> int:
+        """The link that has the tip."""
+        return self.last  # joint i moves link i + 1; the root, where there are no joints
+
+
+@dataclass(frozen=True, slots=True)
 class Chain:
-    """A serial chain: joint i joins link i to link i + 1. `tip` is a point of the last link.
+    """Links and joints, parent first: joint i moves link i + 1. `tip` is a point of the last link.
 
     The tip is where the backbone ends: the distal end of the last segment, on the centreline.
+    An assembly has `limbs`, whose joints follow one another; its `length` is the longest limb's.
     """
 
     name: str
@@ -96,6 +126,16 @@ class Chain:
     joints: tuple[Joint, ...]
     tip: Position
     length: Length
+    limbs: tuple[Limb, ...] = ()
+
+    @property
+    def backbones(self) -> tuple[Limb, ...]:
+        """The limbs, or for a manipulator by itself the one that it is."""
+        return self.limbs or (Limb("", 0, len(self.joints), 0, self.tip),)
+
+    def backbone_of(self, joint: Joint) -> Limb:
+        """Return the limb that has the actuator of a joint."""
+        return [limb for limb in self.backbones if limb.first_actuator <= joint.actuator][-1]
 
 
 @dataclass(slots=True)
@@ -120,12 +160,15 @@ class _Body:
 
 
 def build(definition: Definition) -> Chain:
-    """Return the chain of a definition; never fails for one that was read without faults."""
+    """Return the chain of a definition without limbs; never fails for one without faults."""
+    assert not definition.limbs
     bodies = [_Body("base", geometry.ZERO)]
     joints: list[Joint] = []
     end = 0.0
     if definition.base is not None:
         end = _add_rounded_end(bodies[0], definition.base, end, at_base=True)
+        if not definition.actuators:  # the body of an assembly, both of whose ends are free
+            _round(bodies[0], definition.base, bodies[0].shapes[0].position, at_base=False)
     for index, actuator in enumerate(definition.actuators):
         end = _add_actuator(bodies, joints, actuator, index, end)
     for tip in definition.tips:
@@ -159,6 +202,7 @@ def _add_actuator(
                     _hinge(
                         joint,
                         f"actuator_{index}_joint_{place}",
+                        len(bodies) - 1,
                         geometry.subtract(hinge, bodies[-1].origin),
                         index,
                         actuator.channels[segment - 1],
@@ -179,11 +223,19 @@ def _inertial(link: LinkDefinition, fraction: float = 1.0) -> Inertial:
 
 
 def _hinge(
-    joint: JointDefinition, name: str, origin: Vector, actuator: int, channel: int, span: float
+    joint: JointDefinition,
+    name: str,
+    parent: int,
+    origin: Vector,
+    actuator: int,
+    channel: int,
+    span: float,
 ) -> Joint:
     return Joint(
         name=name,
+        parent=parent,
         origin=origin,
+        rpy=geometry.ZERO,
         axis=geometry.unit(joint.axis),
         lower=joint.lower,
         upper=joint.upper,
@@ -239,22 +291,26 @@ def _roll(box: Box, along: tuple[float, float]) -> tuple[Cylinder, Vector]:
 def _add_rounded_end(body: _Body, part: LinkDefinition, start: float, at_base: bool) -> float:
     """Add a base or tip; without a hinge to round, a stadium or capsule has its free end round."""
     body.add(part, part.solid, _inertial(part), start)
-    end = start + part.height
-    if part.shape_type in ("stadium", "capsule"):
-        rotation = geometry.rotation_from_rpy(part.offset_rpy)
-        face = -part.height / 2 if at_base else part.height / 2
-        body_centre = body.shapes[-1].position
-        at = geometry.add(body_centre, geometry.rotate(rotation, (0.0, 0.0, face)))
-        if isinstance(part.solid, Cylinder):
-            cap: Solid = Sphere(part.solid.radius)
-            rpy = geometry.ZERO
-        elif isinstance(part.solid, Box):
-            cap = Cylinder(part.solid.size[0], part.solid.size[1] / 2)
-            # the cylinder lies along the part's own x axis: R(rpy) · Ry(π/2)
-            rpy = geometry.rpy_from_rotation(
-                geometry.multiply(rotation, geometry.rotation_from_rpy((0.0, math.pi / 2, 0.0)))
-            )
-        else:
-            return end
-        body.shapes.append(Shape(cap, at, rpy, part.material, part.visual_factor))
-    return end
+    _round(body, part, body.shapes[-1].position, at_base)
+    return start + part.height
+
+
+def _round(body: _Body, part: LinkDefinition, centre: Vector, at_base: bool) -> None:
+    """Add what rounds an end of a part whose solid is centred there; others get nothing."""
+    if part.shape_type not in ("stadium", "capsule"):
+        return
+    rotation = geometry.rotation_from_rpy(part.offset_rpy)
+    face = -part.height / 2 if at_base else part.height / 2
+    at = geometry.add(centre, geometry.rotate(rotation, (0.0, 0.0, face)))
+    if isinstance(part.solid, Cylinder):
+        cap: Solid = Sphere(part.solid.radius)
+        rpy = geometry.ZERO
+    elif isinstance(part.solid, Box):
+        cap = Cylinder(part.solid.size[0], part.solid.size[1] / 2)
+        # the cylinder lies along the part's own x axis: R(rpy) · Ry(π/2)
+        rpy = geometry.rpy_from_rotation(
+            geometry.multiply(rotation, geometry.rotation_from_rpy((0.0, math.pi / 2, 0.0)))
+        )
+    else:
+        return
+    body.shapes.append(Shape(cap, at, rpy, part.material, part.visual_factor))

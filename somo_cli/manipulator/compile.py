@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from somo_cli.document.include import unread
 from somo_cli.document.parse import Document
 from somo_cli.document.validate import faults_of_shape, soundness
-from somo_cli.manipulator import chain, meaning, read, urdf
+from somo_cli.manipulator import assembly, assembly_meaning, tree, urdf
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.definition import Definition
 from somo_cli.manipulator.dimensions import Scale, scaled
 from somo_cli.problems import InvalidFile, Pointer, Problem, has_errors, in_reading_order
 
-PLACES_OF_FILES: tuple[tuple[str, ...], ...] = (
+_PLACES: tuple[tuple[str, ...], ...] = (
     ("actuator_definitions", "*"),
     ("actuator_definitions", "*", "link_definition"),
     ("actuator_definitions", "*", "joint_definitions", "*"),
@@ -21,7 +21,13 @@ PLACES_OF_FILES: tuple[tuple[str, ...], ...] = (
     ("tip_definition",),
     ("tip_definitions", "*"),
 )
-"""Where a definition may name a file instead of holding a mapping."""
+PLACES_OF_FILES: tuple[tuple[str, ...], ...] = (
+    *_PLACES,
+    ("body_definition",),
+    ("limbs", "*", "definition"),
+    *(("limbs", "*", "definition", *place) for place in _PLACES),
+)
+"""Where a definition or an assembly may name a file instead of holding a mapping."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,26 +50,31 @@ class Compiled:
     def described(self, scale: Scale) -> str:
         """Say in a line what was compiled, in the unit of the file."""
         links = self.chain.links
+        limbs = f"{len(self.chain.limbs)} limbs, " if self.chain.limbs else ""
         mass = sum(link.inertial.mass for link in links)
         return (
-            f"{len(links)} links, {len(self.chain.joints)} joints, {mass:.4g} kg, "
+            f"{limbs}{len(links)} links, {len(self.chain.joints)} joints, {mass:.4g} kg, "
             f"{self.chain.length:.4g} m long, world scale {scale.length:g}"
         )
 
 
 def faults(document: Document) -> tuple[Problem, ...]:
-    """Return every error and warning about a definition, of shape and of meaning."""
-    shape = faults_of_shape(document, "manipulator")
+    """Return every error and warning about a definition or an assembly, of shape and of meaning."""
+    schema = "assembly" if assembly.is_assembly(document.data) else "manipulator"
+    shape = faults_of_shape(document, schema)
     is_sound = soundness(shape, unread(document, PLACES_OF_FILES))
-    problems = [fault.problem for fault in shape]
-    problems.extend(meaning.faults(document, (), is_sound))
+    strangers = assembly_meaning.strangers(document, ())
+    problems = [fault.problem for fault in shape if fault.pointer[:3] not in strangers]
+    problems.extend(strangers.values())
+    problems.extend(assembly_meaning.faults(document, (), is_sound))
     return in_reading_order(problems, document.texts)
 
 
 def compile_sound(document: Document, at: Pointer, warnings: tuple[Problem, ...]) -> Compiled:
     """Compile the definition at a pointer, in which no error was found."""
-    definition = read.read(document, at)
-    return Compiled(definition, chain.build(definition), read.world_scale(document, at), warnings)
+    definition = assembly.read(document, at)
+    scale = assembly.world_scale(document, at)
+    return Compiled(definition, tree.build(definition), scale, warnings)
 
 
 def compile_definition(document: Document) -> Compiled:

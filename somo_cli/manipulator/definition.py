@@ -113,14 +113,44 @@ class ActuatorDefinition:
 
 
 @dataclass(frozen=True, slots=True)
+class LimbDefinition:
+    """One manipulator of an assembly: its name, its own base and tips, where it is mounted.
+
+    `position` and `rpy` are the pose of its base frame in the body's. It has the next `n_actuators`
+    of the actuators of the assembly.
+    """
+
+    name: str
+    position: Position
+    rpy: RollPitchYaw
+    base: LinkDefinition | None
+    n_actuators: int
+    tips: tuple[LinkDefinition, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Definition:
-    """A whole manipulator: an optional base, actuators in series, any number of tips."""
+    """A whole manipulator: an optional base, actuators in series, any number of tips.
+
+    An assembly has limbs as well: then `base` is its body, `actuators` holds those of limb after
+    limb, each base to tip, and the tips are the limbs'.
+    """
 
     name: str
     urdf_filename: str | None
     base: LinkDefinition | None
     actuators: tuple[ActuatorDefinition, ...]
     tips: tuple[LinkDefinition, ...]
+    limbs: tuple[LimbDefinition, ...] = ()
+
+    def actuators_of(self, limb: str) -> range:
+        """Return the numbers of the actuators of the limb of this name."""
+        first = 0
+        for one in self.limbs:
+            if one.name == limb:
+                return range(first, first + one.n_actuators)
+            first += one.n_actuators
+        raise KeyError(limb)
 
 
 WorldScale: TypeAlias = Scale | None

@@ -64,6 +64,11 @@ class Scale:
         """Return engine units per SI unit of a quantity of this dimension."""
         return float(self.length**dimension.length * self.mass**dimension.mass)
 
+    def described(self) -> str:
+        """Say both factors, that of mass if it is not one."""
+        of_mass = f" (mass {self.mass:g})" if self.mass != 1 else ""
+        return f"{self.length:g}{of_mass}"
+
 
 Thing = TypeVar("Thing")
 _Scaler = Callable[[Any, Scale], Any]

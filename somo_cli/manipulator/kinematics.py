@@ -25,12 +25,15 @@ class Pose:
 def link_poses(chain: Chain, angles: Sequence[float], base: Pose) -> tuple[Pose, ...]:
     """Return the pose in the world of every link frame, root first.
 
-    `angles` holds one angle [rad] per joint, base to tip; `base` is the pose of the root's URDF
+    `angles` holds one angle [rad] per joint, in their order; `base` is the pose of the root's URDF
     frame. Positions are in the units of the chain.
     """
     poses = [base]
     for joint, angle in zip(chain.joints, angles, strict=True):
-        parent = poses[-1]
-        rotation = geometry.multiply(parent.rotation, geometry.rotation_about(joint.axis, angle))
+        parent = poses[joint.parent]
+        turn = geometry.rotation_about(joint.axis, angle)
+        if joint.rpy != geometry.ZERO:
+            turn = geometry.multiply(geometry.rotation_from_rpy(joint.rpy), turn)
+        rotation = geometry.multiply(parent.rotation, turn)
         poses.append(Pose(parent.point(joint.origin), rotation))
     return tuple(poses)

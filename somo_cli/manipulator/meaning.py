@@ -27,9 +27,9 @@ def faults(document: Document, at: Pointer, is_sound: IsSound) -> Iterator[Probl
     yield from _top_level_faults(document, at, data, is_sound)
     for key in ("base_definition", "tip_definition"):
         if isinstance(data.get(key), Mapping):
-            yield from _link_faults(document, (*at, key), is_sound)
+            yield from link_faults(document, (*at, key), is_sound)
     for index, _ in enumerate(_items(data.get("tip_definitions"))):
-        yield from _link_faults(document, (*at, "tip_definitions", index), is_sound)
+        yield from link_faults(document, (*at, "tip_definitions", index), is_sound)
     actuators = _items(data.get("actuator_definitions"))
     for index, _ in enumerate(actuators):
         yield from _actuator_faults(document, (*at, "actuator_definitions", index), is_sound)
@@ -58,10 +58,11 @@ def _top_level_faults(
             "put all the tips into tip_definitions",
         )
     if isinstance(data.get("urdf_filename"), str):
-        yield from _filename_faults(document, (*at, "urdf_filename"), data["urdf_filename"])
+        yield from filename_faults(document, (*at, "urdf_filename"), data["urdf_filename"])
 
 
-def _filename_faults(document: Document, at: Pointer, filename: str) -> Iterator[Problem]:
+def filename_faults(document: Document, at: Pointer, filename: str) -> Iterator[Problem]:
+    """Yield the fault of a `urdf_filename` that is more than a name."""
     parts = filename.replace("\\", "/").split("/")
     hint = "give a name without a folder; choose the folder with -o"
     if parts[0] in ("", "~") or ".." in parts or parts[-1] in ("", ".") or ":" in filename:
@@ -81,7 +82,7 @@ def _actuator_faults(document: Document, at: Pointer, is_sound: IsSound) -> Iter
         if isinstance(joint, Mapping) and is_sound((*at, "joint_definitions", index)):
             yield from _joint_faults(document, (*at, "joint_definitions", index), joint)
     if isinstance(data.get("link_definition"), Mapping):
-        yield from _link_faults(document, (*at, "link_definition"), is_sound)
+        yield from link_faults(document, (*at, "link_definition"), is_sound)
     needed: tuple[Pointer, ...] = ((*at, "n_segments"), (*at, "planar_flag"))
     if "n_segments" in data and all(is_sound(pointer) for pointer in needed):
         yield from _count_faults(document, at, data, len(joints), is_sound)
@@ -194,7 +195,8 @@ def _joint_faults(document: Document, at: Pointer, data: Mapping[str, Any]) -> I
         )
 
 
-def _link_faults(document: Document, at: Pointer, is_sound: IsSound) -> Iterator[Problem]:
+def link_faults(document: Document, at: Pointer, is_sound: IsSound) -> Iterator[Problem]:
+    """Yield errors and warnings about the link at a pointer."""
     data = document.at(at)
     if not is_sound(at) or not isinstance(data, Mapping):
         return

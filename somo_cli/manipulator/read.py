@@ -31,11 +31,16 @@ def read(document: Document, at: Pointer = ()) -> Definition:
     base = data.get("base_definition")
     return Definition(
         name=data["manipulator_name"],
-        urdf_filename=(data.get("urdf_filename") or "").replace("\\", "/").split("/")[-1] or None,
+        urdf_filename=filename(data),
         base=link_from(base) if base else None,
         actuators=tuple(_actuator(item) for item in data["actuator_definitions"]),
         tips=tuple(link_from(tip) for tip in tips),
     )
+
+
+def filename(data: Mapping[str, Any]) -> str | None:
+    """Return the name of the URDF file that a sound mapping asks for, without a folder."""
+    return (data.get("urdf_filename") or "").replace("\\", "/").split("/")[-1] or None
 
 
 def world_scale(document: Document, at: Pointer = ()) -> WorldScale:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from somo_cli.manipulator import chain
+from somo_cli.manipulator import tree
 from somo_cli.manipulator.compile import Compiled
 from somo_cli.manipulator.definition import ActuatorDefinition, JointDefinition, LinkDefinition
 from somo_cli.manipulator.placement import placed, spread
@@ -34,7 +34,7 @@ def cut(compiled: Compiled, count: int) -> Compiled:
             for index, actuator in enumerate(compiled.definition.actuators)
         ),
     )
-    return replace(compiled, definition=definition, chain=chain.build(definition))
+    return replace(compiled, definition=definition, chain=tree.build(definition))
 
 
 def per_joint(values: Sequence[float], before: Compiled, after: Compiled) -> tuple[float, ...]:

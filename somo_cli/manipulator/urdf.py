@@ -12,7 +12,7 @@ import dataclasses
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 
-from somo_cli.manipulator.chain import Chain, Joint, Link, Shape
+from somo_cli.manipulator.chain import Chain, Joint, Limb, Link, Shape
 from somo_cli.manipulator.definition import Material
 from somo_cli.manipulator.solids import Box, Cylinder, Solid
 
@@ -23,7 +23,8 @@ def render(chain: Chain, tip_frame: str | None = None) -> str:
     """Return the URDF of a chain, in the chain's own units.
 
     With `tip_frame` a massless link of that name is fixed to the tip, for tools that want a
-    named frame there; it has no effect on the dynamics, and `somo run` never loads it.
+    named frame there; it has no effect on the dynamics, and `somo run` never loads it. In an
+    assembly every limb has one, its name after the limb's.
     """
     robot = ET.Element("robot", name=chain.name)
     names = _material_names(chain)
@@ -32,10 +33,11 @@ def render(chain: Chain, tip_frame: str | None = None) -> str:
         ET.SubElement(element, "color", rgba=_numbers(material.rgba))
     _add_link(robot, chain.links[0], names)
     for index, joint in enumerate(chain.joints):
-        _add_joint(robot, joint, chain.links[index].name, chain.links[index + 1].name)
+        _add_joint(robot, joint, chain.links[joint.parent].name, chain.links[index + 1].name)
         _add_link(robot, chain.links[index + 1], names)
     if tip_frame is not None:
-        _add_tip_frame(robot, chain, tip_frame)
+        for limb in chain.backbones:
+            _add_tip_frame(robot, chain, limb, limb.prefix + tip_frame)
     for joint in chain.joints:
         _add_spring(robot, joint)
     return _text(robot)
@@ -134,7 +136,7 @@ def _add_joint(robot: ET.Element, joint: Joint, parent: str, child: str) -> None
     element = ET.SubElement(robot, "joint", name=joint.name, type=kind)
     ET.SubElement(element, "parent", link=parent)
     ET.SubElement(element, "child", link=child)
-    ET.SubElement(element, "origin", xyz=_numbers(joint.origin), rpy="0 0 0")
+    ET.SubElement(element, "origin", xyz=_numbers(joint.origin), rpy=_numbers(joint.rpy))
     ET.SubElement(element, "axis", xyz=_numbers(joint.axis))
     if joint.is_limited:
         limit = ET.SubElement(element, "limit")
@@ -153,9 +155,9 @@ def _add_spring(robot: ET.Element, joint: Joint) -> None:
     ET.SubElement(element, "implicitSpringDamper").text = "true"
 
 
-def _add_tip_frame(robot: ET.Element, chain: Chain, name: str) -> None:
+def _add_tip_frame(robot: ET.Element, chain: Chain, limb: Limb, name: str) -> None:
     ET.SubElement(robot, "link", name=name)
     joint = ET.SubElement(robot, "joint", name=f"{name}_joint", type="fixed")
-    ET.SubElement(joint, "parent", link=chain.links[-1].name)
+    ET.SubElement(joint, "parent", link=chain.links[limb.last_link].name)
     ET.SubElement(joint, "child", link=name)
-    ET.SubElement(joint, "origin", xyz=_numbers(chain.tip), rpy="0 0 0")
+    ET.SubElement(joint, "origin", xyz=_numbers(limb.tip), rpy="0 0 0")

@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from somo_cli.manipulator import kinematics
+from somo_cli.manipulator import geometry, kinematics
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import EngineRefused
@@ -20,8 +20,8 @@ _UNTURNED = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 def require_equal(text: str, chain: Chain) -> None:
     """Read a URDF with yourdfpy and require that it describes `chain`, at rest and bent.
 
-    Links without mass that are fixed to the last one, such as a tip frame, are allowed. Springs
-    and shapes are not compared. Raises EngineRefused with the first differences.
+    Links without mass that are fixed to the last one of a limb, such as a tip frame, are allowed.
+    Springs and shapes are not compared. Raises EngineRefused with the first differences.
     """
     # costs half a second and 100 MB to import
     import yourdfpy
@@ -78,22 +78,26 @@ class _Comparison:
         """Compare names, parents, types, axes, origins, limits, damping and friction."""
         chain = self._chain
         own = len(chain.joints)
+        last_links = [chain.links[limb.last_link].name for limb in chain.backbones]
         names = [joint.name for joint in robot.joints]
         self._same("joints", names[:own], [joint.name for joint in chain.joints])
         for theirs in robot.joints[own:]:
             place = (theirs.type, theirs.parent)
-            self._same(f"place of '{theirs.name}'", place, ("fixed", chain.links[-1].name))
+            if theirs.type != "fixed" or theirs.parent not in last_links:
+                wanted = ("fixed", chain.links[-1].name)
+                self._same(f"place of '{theirs.name}'", place, wanted)
         pairs = zip(chain.joints, robot.joints, strict=False)
         for index, (joint, theirs) in enumerate(pairs):
             what = f"of '{joint.name}'"
-            ends = (chain.links[index].name, chain.links[index + 1].name)
+            ends = (chain.links[joint.parent].name, chain.links[index + 1].name)
             self._same(f"parent and child {what}", (theirs.parent, theirs.child), ends)
             kind = "revolute" if joint.is_limited else "continuous"
             self._same(f"type {what}", theirs.type, kind)
             self._close(f"axis {what}", list(theirs.axis), joint.axis)
             position, rotation = _pose(theirs.origin)
             self._close(f"origin {what}", position, joint.origin, chain.length)
-            self._close(f"rotation {what}", rotation, _UNTURNED)
+            turn = geometry.rotation_from_rpy(joint.rpy)
+            self._close(f"rotation {what}", rotation, [one for row in turn for one in row])
             drag = theirs.dynamics
             if drag is None:
                 self.found.append(f"no damping and friction {what}")

@@ -13,7 +13,7 @@ from somo_cli.simulation.signal import Input, Interpolation, Wave
 from somo_cli.simulation.sorotraj import Trajectory
 
 ALL = "all"
-"""In place of a list of actuators: every one of them, base to tip."""
+"""In place of a list of actuators, or of limbs: every one of them, in their order."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,11 +104,34 @@ def torque_per_pressure(definition: Definition, actuator: int, axis: int) -> flo
 
 
 def actuators_of(data: Mapping[str, Any], definition: Definition) -> tuple[int, ...]:
-    """Return the actuators that an entry drives, in the order in which a wave reaches them."""
+    """Return the actuators that an entry drives, in the order in which a wave reaches them.
+
+    Of an assembly they are counted through all limbs: limb after limb, as the entry names them.
+    """
+    if not definition.limbs:
+        return numbers_of(data, len(definition.actuators))
+    return tuple(
+        definition.actuators_of(limb)[number]
+        for limb in limbs_of(data, definition)
+        for number in numbers_of(data, len(definition.actuators_of(limb)))
+    )
+
+
+def limbs_of(data: Mapping[str, Any], definition: Definition) -> tuple[str, ...]:
+    """Return the names of the limbs that an entry drives, in the order of a wave."""
+    if "limbs" not in data:
+        return (str(data["limb"]),)
+    if data["limbs"] == ALL:
+        return tuple(limb.name for limb in definition.limbs)
+    return tuple(str(name) for name in data["limbs"])
+
+
+def numbers_of(data: Mapping[str, Any], count: int) -> tuple[int, ...]:
+    """Return the numbers that an entry gives of the `count` actuators of one backbone."""
     if "actuators" not in data:
         return (int(data["actuator"]),)
     if data["actuators"] == ALL:
-        return tuple(range(len(definition.actuators)))
+        return tuple(range(count))
     return tuple(int(number) for number in data["actuators"])
 
 

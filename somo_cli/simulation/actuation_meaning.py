@@ -9,10 +9,12 @@ from somo_cli.document.parse import Document
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.compile import Compiled
 from somo_cli.problems import Pointer, Problem
+from somo_cli.simulation import limb_meaning
 from somo_cli.simulation.actuation import (
     AmbiguousPressure,
-    actuators_of,
     is_pressure,
+    limbs_of,
+    numbers_of,
     torque_per_pressure,
 )
 from somo_cli.simulation.waypoint_meaning import waypoint_faults
@@ -75,7 +77,7 @@ def faults(document: Document, at: Pointer, data: Mapping[str, Any]) -> Iterator
 
 def _wave_faults(document: Document, at: Pointer, data: Mapping[str, Any]) -> Iterator[Problem]:
     wave = data["wave"]
-    if "lag" in wave and "actuators" not in data:
+    if "lag" in wave and "actuators" not in data and "limbs" not in data:
         yield Problem(
             document.span((*at, "wave", "lag"), key=True),
             "lag has no meaning with one actuator",
@@ -100,33 +102,43 @@ def faults_of_axes(
 
     `channels` says how many each trajectory of the scene has, None where that is not known.
     """
-    axes = _axes(compiled.chain)
-    seen: set[tuple[int, int]] = set()
+    axes_of_limbs = _axes_of_limbs(compiled.chain)
+    seen: set[tuple[str, int, int]] = set()
     for number, entry in enumerate(entries):
         place: Pointer = (*at, number)
         yield from _mix_faults(document, place, entry, channels)
         if ("actuator" in entry) == ("actuators" in entry):
             continue
+        of_limbs = list(limb_meaning.faults(document, place, entry, compiled.definition))
+        yield from of_limbs
+        if of_limbs:
+            continue
         axis = int(entry["axis"])
-        for index, actuator in enumerate(actuators_of(entry, compiled.definition)):
+        for limb, index, actuator in _named(entry, compiled):
+            axes = axes_of_limbs[limb]
+            of = f" of limb '{limb}'" if limb else ""
             where: Pointer = (*place, "actuator")
             if "actuators" in entry:
                 is_list = isinstance(entry["actuators"], list)
                 where = (*place, "actuators", index) if is_list else (*place, "actuators")
             if actuator not in axes:
                 hint = _known("actuator", axes)
-                yield Problem(document.span(where), f"there is no actuator {actuator}", hint)
+                message = f"there is no actuator {actuator}"
+                message = f"limb '{limb}' has no actuator {actuator}" if limb else message
+                yield Problem(document.span(where), message, hint)
             elif axis not in axes[actuator]:
-                message = f"actuator {actuator} has no axis {axis}"
+                message = f"actuator {actuator}{of} has no axis {axis}"
                 hint = _known("axis", axes[actuator])
                 yield Problem(document.span((*place, "axis")), message, hint)
-            elif (actuator, axis) in seen:
-                message = f"actuator {actuator}, axis {axis} is driven twice"
+            elif (limb, actuator, axis) in seen:
+                message = f"actuator {actuator}{of}, axis {axis} is driven twice"
                 hint = "keep one entry, or add the torques"
                 yield Problem(document.span(where), message, hint)
             elif is_pressure(entry):
-                yield from _pressure_faults(document, place, entry, compiled, actuator)
-            seen.add((actuator, axis))
+                number = compiled.definition.actuators_of(limb)[actuator] if limb else actuator
+                joints = f"the joints of actuator {actuator}{of}, axis {axis}"
+                yield from _pressure_faults(document, place, entry, compiled, number, joints)
+            seen.add((limb, actuator, axis))
 
 
 def _mix_faults(
@@ -151,11 +163,15 @@ def _mix_faults(
 
 
 def _pressure_faults(
-    document: Document, at: Pointer, data: Mapping[str, Any], compiled: Compiled, actuator: int
+    document: Document,
+    at: Pointer,
+    data: Mapping[str, Any],
+    compiled: Compiled,
+    actuator: int,
+    joints: str,
 ) -> Iterator[Problem]:
     key = "pressure" if "pressure" in data else "input"
     axis = int(data["axis"])
-    joints = f"the joints of actuator {actuator}, axis {axis}"
     try:
         is_known = torque_per_pressure(compiled.definition, actuator, axis) is not None
     except AmbiguousPressure:
@@ -171,10 +187,26 @@ def _pressure_faults(
         )
 
 
-def _axes(chain: Chain) -> Mapping[int, set[int]]:
-    axes: dict[int, set[int]] = {}
+def _named(data: Mapping[str, Any], compiled: Compiled) -> Iterator[tuple[str, int, int]]:
+    """Yield limb, place in the entry's list and number of each actuator that an entry names."""
+    definition = compiled.definition
+    if not definition.limbs:
+        for index, actuator in enumerate(numbers_of(data, len(definition.actuators))):
+            yield "", index, actuator
+        return
+    for limb in limbs_of(data, definition):
+        count = len(definition.actuators_of(limb))
+        for index, actuator in enumerate(numbers_of(data, count)):
+            yield limb, index, actuator
+
+
+def _axes_of_limbs(chain: Chain) -> Mapping[str, Mapping[int, set[int]]]:
+    """Return the axes by limb and by the limb's own number of the actuator."""
+    axes: dict[str, dict[int, set[int]]] = {}
     for joint in chain.joints:
-        axes.setdefault(joint.actuator, set()).add(joint.channel)
+        limb = chain.backbone_of(joint)
+        of_limb = axes.setdefault(limb.name, {})
+        of_limb.setdefault(joint.actuator - limb.first_actuator, set()).add(joint.channel)
     return axes
 
 

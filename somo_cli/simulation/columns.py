@@ -14,7 +14,7 @@ from somo_cli.simulation import contact_columns, thing_columns
 from somo_cli.simulation.contact_columns import LOAD, TOTAL, pair_names
 from somo_cli.simulation.dynamics import ChainDynamics
 from somo_cli.simulation.plan import Body, Plan
-from somo_cli.simulation.scene import Quantity
+from somo_cli.simulation.scene import Quantity, tips
 from somo_cli.simulation.selection import Kept, kept
 from somo_cli.simulation.things import Reading
 from somo_cli.simulation.touching import Touch
@@ -149,7 +149,7 @@ def _names(body: Body, quantity: Quantity) -> list[str]:
     joints = [joint.name for joint in body.chain.joints]
     links = [link.name for link in body.chain.links]
     if quantity == "actuation":
-        return [f"actuator_{a}_axis_{x}.torque_nm" for a, x in _channels(body)]
+        return [f"{name}.torque_nm" for name in _names_of_channels(body)]
     suffixes: dict[Quantity, tuple[list[str], tuple[str, ...]]] = {
         "joint_angles": (joints, ("angle_rad",)),
         "joint_rates": (joints, ("rate_rad_per_s",)),
@@ -158,7 +158,7 @@ def _names(body: Body, quantity: Quantity) -> list[str]:
         "link_positions": (links, _XYZ),
         "link_orientations": (links, _XYZW),
         "base_pose": (["base_pose"], _XYZ + _XYZW),
-        "tip_position": (["tip"], _XYZ),
+        "tip_position": (list(tips(body.chain)), _XYZ),
         "energy": (["energy"], _ENERGIES),
         "contact_force": (["contact"], TOTAL),
         "link_contact_forces": ([f"{link}.contact" for link in links], LOAD),
@@ -169,6 +169,16 @@ def _names(body: Body, quantity: Quantity) -> list[str]:
 
 def _channels(body: Body) -> list[tuple[int, int]]:
     return sorted({(joint.actuator, joint.channel) for joint in body.chain.joints})
+
+
+def _names_of_channels(body: Body) -> list[str]:
+    names: dict[tuple[int, int], str] = {}
+    for joint in body.chain.joints:
+        limb = body.chain.backbone_of(joint)
+        number = joint.actuator - limb.first_actuator
+        name = f"{limb.prefix}actuator_{number}_axis_{joint.channel}"
+        names[joint.actuator, joint.channel] = name
+    return [names[channel] for channel in _channels(body)]
 
 
 def _angles(state: State, units: Units) -> Sequence[float]:
@@ -220,8 +230,10 @@ def _base_pose(state: State, units: Units) -> Sequence[float]:
 
 
 def _tip_position(state: State, units: Units) -> Sequence[float]:
-    tip = state.poses[-1].point(state.body.chain.tip)
-    return [coordinate / units.length for coordinate in tip]
+    chain = state.body.chain
+    ends = [(limb.last_link, limb.tip) for limb in chain.limbs] or [(-1, chain.tip)]
+    places = (state.poses[link].point(position) for link, position in ends)
+    return [coordinate / units.length for place in places for coordinate in place]
 
 
 def _energy(state: State, units: Units) -> Sequence[float]:

@@ -2,20 +2,25 @@
 
 The engine is not asked, so that `check` can do without it and a result can be held against it.
 Coordinates are the base's angular velocity and the velocity of its centre of mass, both in the
-world frame, then the joint rates base to tip: 6 + n of them. Link 0 is the base; joint i moves
-link i + 1. Everything is in the units of the chain.
+world frame, then the joint rates: 6 + n of them. Link 0 is the base; joint i moves link i + 1, and
+joints of a limb are in series. Everything is in the units of the chain.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
+from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.springs import Array
+
+IntArray: TypeAlias = npt.NDArray[np.intp]
 
 _IDENTITY = np.eye(4)
 
@@ -34,12 +39,29 @@ class ChainDynamics:
         self.damping: Array = np.array([joint.damping for joint in joints])
         self.neutral: Array = np.array([joint.neutral_position for joint in joints])
         self.tip: Array = np.array(chain.tip)
+        self.tips = tuple((limb.last_link, np.array(limb.tip)) for limb in chain.backbones)
+        # joints in series, and for each link the joints that move it: [first of its limb, link)
+        self.limbs = tuple(slice(limb.first, limb.last) for limb in chain.backbones)
+        self.ways = (
+            slice(0, 0),
+            *(slice(one.start, link) for one in self.limbs for link in _links(one)),
+        )
+        self.moves: Array = np.zeros((self.count + 1, self.count))  # link l is moved by joint j
+        for link, way in enumerate(self.ways):
+            self.moves[link, way] = 1.0
+        self._products = _products(chain)
         # each joint as a homogeneous transform, linear in 1, sin q and 1 - cos q (Rodrigues)
         self._constant: Array = np.tile(np.eye(4), (self.count, 1, 1))
         self._constant[:, :3, 3] = np.array([joint.origin for joint in joints]).reshape(-1, 3)
         self._sine: Array = np.zeros((self.count, 4, 4))
         self._sine[:, :3, :3] = cross_matrices(self.axes)
         self._versine: Array = self._sine @ self._sine
+        for index, joint in enumerate(joints):
+            if joint.rpy != geometry.ZERO:
+                turn = np.array(geometry.rotation_from_rpy(joint.rpy))
+                self._constant[index, :3, :3] = turn
+                self._sine[index, :3, :3] = turn @ self._sine[index, :3, :3]
+                self._versine[index, :3, :3] = turn @ self._versine[index, :3, :3]
 
     def at(self, angles: Sequence[float] | Array, base: Pose | None = None) -> ChainPose:
         """Return the chain at these joint angles [rad]; the base at the world's origin if None."""
@@ -58,10 +80,8 @@ class ChainDynamics:
         steps += versine[:, np.newaxis, np.newaxis] * self._versine
         # products of 2, 4, 8, ... in a row (Hillis and Steele, Comm. ACM 29 (1986) 1170): calls
         # into numpy are what this costs
-        done = 1
-        while done <= self.count:
-            frames[done:] = frames[:-done] @ frames[done:]
-            done *= 2
+        for links, before in self._products:
+            frames[links] = frames[before] @ frames[links]
         return frames
 
 
@@ -84,8 +104,15 @@ class ChainPose:
 
     @property
     def tip(self) -> Array:
-        """Where the tip is, shape (3,)."""
-        return self.point(self.chain.count, self.chain.tip)
+        """Where the tip is, of the last limb if there are several, shape (3,)."""
+        return self.point(*self.chain.tips[-1])
+
+    def tip_jacobians(self) -> tuple[Array, ...]:
+        """Return how the joints move the tip of each limb, (3, n) each; the base is held."""
+        return tuple(
+            np.cross(self.axes, self.point(link, tip) - self.origins[1:]).T * self.chain.moves[link]
+            for link, tip in self.chain.tips
+        )
 
     def mass_matrix(self) -> Array:
         """Return the inertia of base and joints, shape (6 + n, 6 + n).
@@ -118,7 +145,7 @@ class ChainPose:
         angular[:, :, :3] = np.eye(3)
         linear[:, :, 3:6] = np.eye(3)
         linear[:, :, :3] = -cross_matrices(self.centres - self.centres[0])
-        moves = np.tri(n + 1, n, -1)  # link l is moved by the joints before it
+        moves = self.chain.moves
         arms = self.centres[:, np.newaxis] - self.origins[np.newaxis, 1:]
         swing = np.cross(self.axes[np.newaxis], arms) * moves[:, :, np.newaxis]
         linear[:, :, 6:] = swing.transpose(0, 2, 1)
@@ -135,11 +162,12 @@ class ChainPose:
         # r x F as r times a matrix: numpy's cross is slow, and this runs in every step
         x, y, z = force.tolist()
         cross = np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
-        moments = (point - self.origins[1 : link + 1]) @ cross
+        way = self.chain.ways[link]
+        moments = (point - self.origins[1:][way]) @ cross
         moments += moment
         generalised[:3] = moment + (point - self.centres[0]) @ cross
         generalised[3:6] = force
-        generalised[6 : 6 + link] = np.einsum("ij,ij->i", self.axes[:link], moments)
+        generalised[6:][way] = np.einsum("ij,ij->i", self.axes[way], moments)
         return generalised
 
     def stiffness_of_force(self, link: int, point: Array, force: Array) -> Array:
@@ -149,18 +177,9 @@ class ChainPose:
         """
         n = self.chain.count
         stiffness: Array = np.zeros((n, n))
-        arms = point - self.origins[1 : link + 1]
-        stiffness[:link, :link] = self._stiffness(force, arms)
-        return stiffness
-
-    def _stiffness(self, force: Array, arms: Array) -> Array:
-        """Return minus F · (a_j x (a_i x r_i)), (m, m), j <= i, of the first m joints, mirrored."""
-        axes = self.axes[: len(arms)]
-        # F · (a_j x b) = (F x a_j) · b; numpy's cross is slow, and this may run in many steps
-        (turn,) = cross_matrices(force[np.newaxis])
-        swings = np.einsum("ijk,ik->ij", cross_matrices(axes), arms)
-        upper = np.triu((axes @ turn.T) @ swings.T)
-        stiffness: Array = -(upper + np.triu(upper, 1).T)
+        way = self.chain.ways[link]
+        arms = point - self.origins[1:][way]
+        stiffness[way, way] = _stiffness_in_series(force, self.axes[way], arms)
         return stiffness
 
     def gravity_force(self, gravity: Vector) -> Array:
@@ -175,10 +194,16 @@ class ChainPose:
 
         As `stiffness_of_force`, with all the mass that a joint carries at its common centre.
         """
-        masses = self.chain.masses[1:, np.newaxis]
-        carried = np.cumsum(masses[::-1], axis=0)[::-1]
-        moments = np.cumsum((masses * self.centres[1:])[::-1], axis=0)[::-1]
-        return self._stiffness(np.array(gravity), moments - carried * self.origins[1:])
+        n = self.chain.count
+        stiffness: Array = np.zeros((n, n))
+        for limb in self.chain.limbs:
+            masses = self.chain.masses[1:][limb, np.newaxis]
+            carried = np.cumsum(masses[::-1], axis=0)[::-1]
+            moments = np.cumsum((masses * self.centres[1:][limb])[::-1], axis=0)[::-1]
+            arms = moments - carried * self.origins[1:][limb]
+            own = _stiffness_in_series(np.array(gravity), self.axes[limb], arms)
+            stiffness[limb, limb] = own
+        return stiffness
 
     def kinetic_energy(self, rates: Sequence[float] | Array) -> float:
         """Return the kinetic energy at these rates, shape (6 + n,): base first."""
@@ -196,6 +221,39 @@ class ChainPose:
     def gravity_energy(self, gravity: Vector) -> float:
         """Return the energy in the field of gravity, zero at the world's origin."""
         return -float(self.chain.masses @ self.centres @ np.array(gravity))
+
+
+def _links(joints: slice) -> range:
+    """Return the links that joints in series move."""
+    return range(joints.start + 1, joints.stop + 1)
+
+
+def _products(chain: Chain) -> tuple[tuple[slice | IntArray, slice | IntArray], ...]:
+    """Return which frames are multiplied by which, in turn, for all to be in the world's.
+
+    First by the parent's, then by that of the parent's parent, and so on by twice as many; of a
+    manipulator by itself these are slices, which numpy takes without a copy.
+    """
+    if not chain.limbs:
+        steps = tuple(1 << power for power in range(len(chain.joints).bit_length()))
+        return tuple((slice(step, None), slice(None, -step)) for step in steps)
+    found: list[tuple[IntArray, IntArray]] = []
+    before = np.array([-1, *(joint.parent for joint in chain.joints)], dtype=np.intp)
+    while (before >= 0).any():
+        links = np.flatnonzero(before >= 0)
+        found.append((links, before[links]))
+        before[links] = before[before[links]]
+    return tuple(found)
+
+
+def _stiffness_in_series(force: Array, axes: Array, arms: Array) -> Array:
+    """Return minus F · (a_j x (a_i x r_i)), (m, m), j <= i, of m joints in series, mirrored."""
+    # F · (a_j x b) = (F x a_j) · b; numpy's cross is slow, and this may run in many steps
+    (turn,) = cross_matrices(force[np.newaxis])
+    swings = np.einsum("ijk,ik->ij", cross_matrices(axes), arms)
+    upper = np.triu((axes @ turn.T) @ swings.T)
+    stiffness: Array = -(upper + np.triu(upper, 1).T)
+    return stiffness
 
 
 def cross_matrices(vectors: Array) -> Array:

@@ -9,7 +9,7 @@ from typing import Any
 from somo_cli.document.parse import Document
 from somo_cli.manipulator.chain import Chain
 from somo_cli.problems import Pointer, Problem
-from somo_cli.simulation.scene import link_index
+from somo_cli.simulation.scene import link_index, tips
 from somo_cli.simulation.waypoint_meaning import waypoint_faults
 
 
@@ -63,7 +63,7 @@ def faults_of_link(
     try:
         link_index(name, chain)
     except ValueError:
-        known = ["tip", *(link.name for link in chain.links)]
+        known = [*tips(chain), *(link.name for link in chain.links)]
         close = get_close_matches(name, known, 1, 0.8)
         yield Problem(
             document.span((*at, "link")),

@@ -8,8 +8,7 @@ from typing import Any
 from somo_cli.document.include import unread
 from somo_cli.document.parse import Document
 from somo_cli.document.validate import faults_of_shape, soundness
-from somo_cli.manipulator import meaning as manipulator_meaning
-from somo_cli.manipulator import read as manipulator_read
+from somo_cli.manipulator import assembly, assembly_meaning
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.compile import compile_sound
 from somo_cli.manipulator.dimensions import Scale
@@ -32,9 +31,9 @@ def faults(document: Document) -> tuple[Problem, ...]:
     shape = faults_of_shape(document, "scene")
     missing = unread(document, PLACES_OF_FILES)
     is_sound = soundness(shape, missing)
-    scenes = _scenes_in_place_of_definitions(document)
-    problems = [fault.problem for fault in shape if fault.pointer[:3] not in scenes]
-    problems.extend(scenes.values())
+    strangers = _strangers_in_place_of_definitions(document)
+    problems = [fault.problem for fault in shape if not _is_within(fault.pointer, strangers)]
+    problems.extend(strangers.values())
     data = document.data
     problems.extend(sorotraj_meaning.faults_of_scene(document, is_sound))
     problems.extend(thing_meaning.faults(document, is_sound))
@@ -52,21 +51,27 @@ def faults(document: Document) -> tuple[Problem, ...]:
     return in_reading_order(problems, document.texts)
 
 
-def _scenes_in_place_of_definitions(document: Document) -> Mapping[Pointer, Problem]:
-    """Return what to say in place of everything that makes a scene no definition."""
+def _is_within(pointer: Pointer, places: Mapping[Pointer, Problem]) -> bool:
+    return any(pointer[: len(place)] == place for place in places)
+
+
+def _strangers_in_place_of_definitions(document: Document) -> Mapping[Pointer, Problem]:
+    """Return what to say in place of everything that makes another kind of file no definition."""
     data = document.data
     manipulators = data.get("manipulators") if isinstance(data, Mapping) else None
-    scenes = {}
+    strangers: dict[Pointer, Problem] = {}
     for index, item in enumerate(manipulators if isinstance(manipulators, list) else ()):
         definition = item.get("definition") if isinstance(item, Mapping) else None
+        at: Pointer = ("manipulators", index, "definition")
+        if isinstance(definition, Mapping):
+            strangers.update(assembly_meaning.strangers(document, at))
         if isinstance(definition, Mapping) and "manipulators" in definition:
-            at: Pointer = ("manipulators", index, "definition")
-            scenes[at] = Problem(
+            strangers[at] = Problem(
                 document.span((*at, "manipulators"), key=True),
                 "this is a scene, not a manipulator definition",
                 "name a definition, which has actuator_definitions",
             )
-    return scenes
+    return strangers
 
 
 def _name_faults(
@@ -75,8 +80,7 @@ def _name_faults(
     seen: set[str] = set()
     for index, item in enumerate(manipulators):
         at: Pointer = ("manipulators", index)
-        names = (*at, "name"), (*at, "definition", "manipulator_name")
-        if not is_sound(names[0]) or not isinstance(item, Mapping):
+        if not is_sound((*at, "name")) or not isinstance(item, Mapping):
             continue
         if "name" not in item and not _has_name(item):
             continue
@@ -93,7 +97,8 @@ def _name_faults(
 
 def _has_name(item: Mapping[str, Any]) -> bool:
     definition = item.get("definition")
-    return isinstance(definition, Mapping) and "manipulator_name" in definition
+    keys = {"manipulator_name", "assembly_name"}
+    return isinstance(definition, Mapping) and not keys.isdisjoint(definition)
 
 
 def _scale_faults(
@@ -109,20 +114,16 @@ def _scale_faults(
         is_mapping = isinstance(item, Mapping) and isinstance(item.get("definition"), Mapping)
         if not is_mapping or not is_sound((*at, "world_scale")):
             continue
-        scale = manipulator_read.world_scale(document, at)
+        scale = assembly.world_scale(document, at)
         scale = scale or Scale()
         first = first or scale
         if scale != first:
             yield Problem(
                 document.span(at, key=True),
-                f"this definition has world scale {_shown(scale)}, the first one {_shown(first)}",
+                f"this definition has world scale {scale.described()}, "
+                f"the first one {first.described()}",
                 "give the scene a world_scale of its own",
             )
-
-
-def _shown(scale: Scale) -> str:
-    of_mass = f" (mass {scale.mass:g})" if scale.mass != 1 else ""
-    return f"{scale.length:g}{of_mass}"
 
 
 def _manipulator_faults(
@@ -135,7 +136,7 @@ def _manipulator_faults(
     at: Pointer = ("manipulators", index)
     of_definition: list[Problem] = []
     if "definition" in data:
-        of_definition.extend(manipulator_meaning.faults(document, (*at, "definition"), is_sound))
+        of_definition.extend(assembly_meaning.faults(document, (*at, "definition"), is_sound))
     yield from of_definition
     base = data.get("base", "static")
     for key in ("linear_velocity", "angular_velocity"):

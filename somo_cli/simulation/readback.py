@@ -60,8 +60,8 @@ def mismatches(
             chain.length,
         )
         compare(f"inertia of {link.name}", sorted(engine_link.moments), own, 100 * own[2])
-    for index, (joint, engine_joint) in enumerate(zip(chain.joints, joints, strict=True)):
-        if engine_joint.parent != index - 1:
+    for joint, engine_joint in zip(chain.joints, joints, strict=True):
+        if engine_joint.parent != joint.parent - 1:
             found.append(f"parent of {joint.name} is link {engine_joint.parent} in the engine")
         compare(f"axis of {joint.name}", engine_joint.axis, joint.axis, 1.0)
         limits = (joint.lower, joint.upper)

@@ -9,7 +9,8 @@ from typing import Any, Literal, get_args
 from somo_cli.document.parse import Document
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator import read as manipulator_read
-from somo_cli.manipulator.chain import Chain
+from somo_cli.manipulator.assembly import is_assembly
+from somo_cli.manipulator.chain import Chain, Limb
 from somo_cli.manipulator.compile import PLACES_OF_FILES as PLACES_IN_DEFINITION
 from somo_cli.manipulator.compile import Compiled, compile_sound
 from somo_cli.manipulator.dimensions import Force, Number, Position, Scale, Time, Torque
@@ -137,10 +138,12 @@ class Scene:
 
 
 def is_scene(document: Document) -> bool:
-    """Tell a scene from a manipulator definition, by its keys."""
+    """Tell a scene from a definition, of a manipulator or an assembly, by its keys."""
     keys = set(document.data) if isinstance(document.data, dict) else set()
-    if "manipulators" in keys or keys & {"manipulator_name", "actuator_definitions"}:
+    if "manipulators" in keys or is_assembly(document.data):
         return "manipulators" in keys
+    if keys & {"manipulator_name", "actuator_definitions"}:
+        return False
     return not keys.isdisjoint(
         {"time_step", "gravity", "integrator", "record", "reference", "ground", "objects", "stop"}
     )
@@ -236,7 +239,9 @@ def _manipulator(
 
 def name_of(data: Any) -> str:
     """Return the name of a manipulator of a scene: its own, else its definition's."""
-    return str(data.get("name", data["definition"]["manipulator_name"]))
+    definition = data["definition"]
+    key = "assembly_name" if is_assembly(definition) else "manipulator_name"
+    return str(data.get("name", definition[key]))
 
 
 def per_joint(value: Any, count: int) -> tuple[float, ...]:
@@ -247,8 +252,8 @@ def per_joint(value: Any, count: int) -> tuple[float, ...]:
 def _load(data: Any, chain: Chain) -> Load:
     link = data.get("link", "tip")
     point = geometry.vector(data.get("point", (0, 0, 0)))
-    if link == "tip":
-        point = geometry.add(chain.tip, point)
+    if link in tips(chain):
+        point = geometry.add(tips(chain)[link].tip, point)
     waypoints = data.get("waypoints", ((0, 1),))
     return Load(
         link=link_index(link, chain),
@@ -263,9 +268,15 @@ def _load(data: Any, chain: Chain) -> Load:
 
 
 def link_index(name: str, chain: Chain) -> int:
-    """Return the place in a chain of the link of this name, the last for `tip`.
+    """Return the place in a chain of the link of this name, of the one that has it for a tip.
 
     Raises ValueError if there is none.
     """
-    names = [link.name for link in chain.links]
-    return len(names) - 1 if name == "tip" else names.index(name)
+    if name in tips(chain):
+        return tips(chain)[name].last_link
+    return [link.name for link in chain.links].index(name)
+
+
+def tips(chain: Chain) -> Mapping[str, Limb]:
+    """Return what the tips of a chain are called: `tip`, or after the limbs of an assembly."""
+    return {f"{limb.prefix}tip": limb for limb in chain.backbones}

@@ -192,11 +192,12 @@ def _advice(plan: Plan, body: Body, mass: Array) -> str:
 
 def _fall(body: Body) -> float:
     """Return the sum of mass times twice the distance from the base frame's origin."""
-    along = total = 0.0
+    along, total = [0.0], 0.0
     for index, link in enumerate(body.chain.links):
         if index > 0:
-            along += geometry.norm(body.chain.joints[index - 1].origin)
-        total += 2 * link.inertial.mass * (along + geometry.norm(link.inertial.centre))
+            joint = body.chain.joints[index - 1]
+            along.append(along[joint.parent] + geometry.norm(joint.origin))
+        total += 2 * link.inertial.mass * (along[index] + geometry.norm(link.inertial.centre))
     return total
 
 
@@ -204,7 +205,10 @@ def _energy_of_base(body: Body) -> float:
     """Return a bound on the energy of the body if it moved like its base, all stretched out."""
     speed = geometry.norm(body.start.linear_velocity)
     spin = geometry.norm(body.start.angular_velocity)
-    reach = body.chain.length + max(geometry.norm(one.inertial.centre) for one in body.chain.links)
+    chain = body.chain
+    reach = chain.length + max(geometry.norm(one.inertial.centre) for one in chain.links)
+    if chain.limbs:  # they begin where they are mounted
+        reach += max(geometry.norm(one.origin) for one in chain.joints if one.parent == 0)
     return 0.5 * sum(
         link.inertial.mass * (speed + spin * reach) ** 2 + max(link.inertial.inertia) * spin**2
         for link in body.chain.links
