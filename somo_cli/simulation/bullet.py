@@ -104,7 +104,8 @@ class BulletWorld:
 
             for number, thing in enumerate(self._plan.things):
                 path = Path(folder) / f"object_{number}.urdf"
-                path.write_text(thing.urdf, encoding="utf-8")
+                if thing.urdf:
+                    path.write_text(thing.urdf, encoding="utf-8")
                 self.things.append(BulletThing(self._bullet, self._client, thing, str(path)))
         if self._plan.ground is not None:
             self._lay_ground(self._plan.ground)
