@@ -20,6 +20,7 @@ from somo_cli.manipulator.urdf import number
 MOST_SHAPES = 16
 """Seen in PyBullet 3.2.7: createCollisionShapeArray drops what is more, without a word."""
 
+_ROUNDING = 1e-12  # of a product of inertia, by the largest moment
 _UNTURNED = (0.0, 0.0, 0.0, 1.0)
 
 
@@ -83,7 +84,7 @@ def count(solids: Sequence[AnySolid]) -> int:
 def principal(tensor: Tensor) -> tuple[Matrix, Vector]:
     """Return the principal axes of an inertia, as columns, and the moments about them."""
     xx, xy, xz, yy, yz, zz = tensor
-    if xy == xz == yz == 0:
+    if max(abs(xy), abs(xz), abs(yz)) <= _ROUNDING * max(xx, yy, zz):
         return geometry.IDENTITY, (xx, yy, zz)
     moments, axes = np.linalg.eigh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     if np.linalg.det(axes) < 0:

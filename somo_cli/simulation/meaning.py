@@ -20,6 +20,7 @@ from somo_cli.simulation import (
     ground_meaning,
     load_meaning,
     sorotraj_meaning,
+    thing_files,
     thing_meaning,
 )
 from somo_cli.simulation.scene import PLACES_OF_FILES, name_of, per_joint
@@ -28,7 +29,7 @@ from somo_cli.simulation.scene import PLACES_OF_FILES, name_of, per_joint
 def faults(document: Document) -> tuple[Problem, ...]:
     """Return every error and warning about a scene and the definitions in it."""
     shape = faults_of_shape(document, "scene")
-    is_sound = soundness(shape, unread(document, PLACES_OF_FILES))
+    is_sound = soundness(shape, unread(document, (*PLACES_OF_FILES, *thing_files.PLACES)))
     scenes = _scenes_in_place_of_definitions(document)
     problems = [fault.problem for fault in shape if fault.pointer[:3] not in scenes]
     problems.extend(scenes.values())

@@ -9,7 +9,7 @@ from somo_cli.document.parse import Document
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.manipulator.meaning import IsSound
-from somo_cli.problems import Pointer, Problem
+from somo_cli.problems import Pointer, Problem, has_errors
 from somo_cli.simulation import shape_meaning
 from somo_cli.simulation.ground_meaning import DEEPEST, lowest
 from somo_cli.simulation.scene import name_of
@@ -33,7 +33,7 @@ def faults(document: Document, is_sound: IsSound) -> Iterator[Problem]:
             message = f"there is another '{item['name']}' in the scene"
             yield Problem(document.span((*at, "name")), message, "give it a name of its own")
         names.add(item["name"])
-        if not own and isinstance(scene, Mapping) and is_sound(("ground",)):
+        if not has_errors(own) and isinstance(scene, Mapping) and is_sound(("ground",)):
             yield from _ground_faults(document, at, item, scene.get("ground"))
 
 

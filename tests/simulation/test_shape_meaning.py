@@ -23,7 +23,7 @@ def test_nothing_is_wrong_with_these() -> None:
     [
         ({**PILL, "dimensions": [1]}, "a capsule has 2 dimensions, found 1"),
         ({**PILL, "mass": 1}, "mass and density are two ways to say the same"),
-        ({**PILL, "edge_radius": 1}, "edge_radius is for a box, this is a capsule"),
+        ({**PILL, "edge_radius": 1}, "edge_radius is for shape_type box, this one is capsule"),
         (
             {**CUBE, "edge_radius": 0.03},
             "0.03 m is not less than half the shortest edge, 0.03 m",
