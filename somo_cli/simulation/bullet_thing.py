@@ -46,14 +46,11 @@ class BulletThing:
     def reset(self, linear_velocity: Vector | None = None) -> None:
         """Put the object at its start, with another velocity if given."""
         thing = self._thing
-        position, rotation = thing.position, geometry.rotation_from_rpy(thing.rpy)
-        if self._principal:
-            position = Pose(position, rotation).point(self._principal.position)
-            rotation = geometry.multiply(rotation, self._principal.rotation)
+        start = self.to_engine(Pose(thing.position, geometry.rotation_from_rpy(thing.rpy)))
         self._bullet.resetBasePositionAndOrientation(
             self.index,
-            position,
-            geometry.quaternion_from_rotation(rotation),
+            start.position,
+            geometry.quaternion_from_rotation(start.rotation),
             self._client,
         )
         self._bullet.resetBaseVelocity(
@@ -62,6 +59,13 @@ class BulletThing:
             thing.angular_velocity,
             physicsClientId=self._client,
         )
+
+    def to_engine(self, frame: Pose) -> Pose:
+        """Return what the engine takes for a pose of the object's frame: that of its axes."""
+        if not self._principal:
+            return frame
+        rotation = geometry.multiply(frame.rotation, self._principal.rotation)
+        return Pose(frame.point(self._principal.position), rotation)
 
     def pose(self) -> Pose:
         """Return the pose of the object's frame in the world."""

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Literal
 
-import numpy as np
-
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Link, Shape
 from somo_cli.manipulator.geometry import Matrix, Tensor, Vector
@@ -86,6 +84,8 @@ def principal(tensor: Tensor) -> tuple[Matrix, Vector]:
     xx, xy, xz, yy, yz, zz = tensor
     if max(abs(xy), abs(xz), abs(yz)) <= _ROUNDING * max(xx, yy, zz):
         return geometry.IDENTITY, (xx, yy, zz)
+    import numpy as np  # slow to load, and few bodies need it
+
     moments, axes = np.linalg.eigh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     if np.linalg.det(axes) < 0:
         axes[:, 0] *= -1

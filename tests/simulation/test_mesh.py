@@ -67,6 +67,20 @@ def test_a_box_is_the_box_that_it_is(text: str, source: str, tolerance: float) -
     assert (np.sum(normals * (points[:, 0] - CENTRE), axis=1) > 0).all()
 
 
+def test_materials_normals_and_textures_make_no_difference() -> None:
+    lines = ["mtllib nowhere.mtl", "o part", *obj(BOX, ()).splitlines()]
+    lines += ["vt 0 0", "vt 1 1", "vn 0 0 1", "vn 1 0 0"]
+    for number, face in enumerate(_QUADS):
+        lines += [f"usemtl colour_{number % 3}", f"s {number}", f"g group_{number}"]
+        lines += ["f " + " ".join(f"{1 + i}/{1 + i % 2}/{1 + number % 2}" for i in face)]
+    found, plain = measured("\n".join(lines), "a.obj"), measured(obj(BOX), "a.obj")
+    assert found.fault == ""
+    assert found.solid is not None
+    assert plain.solid is not None
+    assert found.solid.mass == pytest.approx(plain.solid.mass, rel=1e-12)
+    assert found.solid.inertia == pytest.approx(plain.solid.inertia, rel=1e-9, abs=1e-18)
+
+
 def test_a_mesh_is_scaled_along_its_axes() -> None:
     found = measured(obj(BOX), "a.obj", (1.0, 2.0, 0.5))
     assert found.solid is not None
