@@ -71,7 +71,7 @@ def urdf_body(data: Mapping[str, Any]) -> UrdfBody:
     read = [
         (one["source"], one["text"]) for one in file.get("meshes", ()) if isinstance(one, Mapping)
     ]
-    # each name stands for the file at its place; if one could not be read, none is known
+    # each name stands for the file at its place
     meshes = dict(zip(names, read, strict=True)) if len(read) == len(names) else {}
     return urdf_body.read(file["text"], file["source"], meshes)
 

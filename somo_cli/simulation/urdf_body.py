@@ -233,7 +233,9 @@ def _hull(body: UrdfBody, element: Element, meshes: Mapping[str, tuple[str, str]
         _tell(body, element, f"scale of <mesh> is '{element.attributes['scale']}'", "none is 0")
         return None
     if name not in meshes:
-        return None  # told where files are read
+        # only of a URDF in place: where a file names one that cannot be read, that is told
+        _tell(body, element, f"mesh '{name}' is not given", "meshes has one file for each name")
+        return None
     source, text = meshes[name]
     try:
         return mesh.measured(text, source, scale).hull

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 from typing import Any
@@ -11,8 +12,9 @@ import pytest
 import scipy.integrate
 
 from somo_cli.manipulator import geometry
-from somo_cli.simulation import thing_shapes
-from tests.loading import scene_from_text
+from somo_cli.simulation import columns, thing_shapes
+from somo_cli.simulation.plan import make_plan
+from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.manipulator.bodies import Data
 from tests.simulation.test_compound import SCALES, G, slop
 from tests.simulation.test_mesh import corners, obj
@@ -135,6 +137,31 @@ def turned_by_euler(size: Any, mass: float, spin: np.ndarray, time: float) -> np
     start = np.concatenate([spin, np.eye(3).ravel()])
     end = scipy.integrate.solve_ivp(rates, (0, time), start, rtol=1e-10, atol=1e-12).y[:, -1]
     return end[3:].reshape(3, 3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["rounded", "mesh", "parts"])
+def test_a_finger_pushes_it_as_far_as_the_box(kind: str) -> None:
+    pytest.importorskip("pybullet")
+    scene = scene_from_file("push_scene.yaml")
+    box = scene.things[0]
+    edges = (0.04, 0.04, 0.04)
+    halves = [corners((0.04, 0.02, 0.04), (0.0, y, 0.0)) for y in (-0.01, 0.01)]
+    parts = [{"source": "a.obj", "text": obj(half)} for half in halves]
+    made: dict[str, Data] = {
+        "rounded": {"shape_type": "box", "dimensions": list(edges), "edge_radius": 0.002},
+        "mesh": mesh_of(corners(edges, geometry.ZERO)),
+        "parts": {"shape_type": "mesh", "mesh": parts},
+    }
+    link = thing_shapes.link({**made[kind], "mass": 0.01})
+    other = dataclasses.replace(box, chain=dataclasses.replace(box.chain, links=(link,)))
+    ends = []
+    for thing in (box, other):
+        plan = make_plan(dataclasses.replace(scene, things=(thing,)))
+        row = dict(zip(columns.header(plan), rows_of(plan, 2000)[-1], strict=True))
+        ends.append(row["cube.pose.y_m"])
+    assert ends[0] > 0.07
+    assert ends[1] == pytest.approx(ends[0], abs=1e-4)
 
 
 def test_the_same_scene_gives_the_same_rows() -> None:

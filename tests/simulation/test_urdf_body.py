@@ -10,7 +10,9 @@ from somo_cli.manipulator import solids
 from somo_cli.manipulator.round_solids import Capsule
 from somo_cli.manipulator.solids import Box, Cylinder, Sphere
 from somo_cli.simulation import urdf_body, urdf_tree
+from tests.manipulator.bodies import Data
 from tests.simulation.test_mesh import BOX, obj
+from tests.simulation.test_things import told as scene_told
 
 INERTIAL = (
     '<inertial><mass value="2"/>'
@@ -131,6 +133,25 @@ def test_a_mesh_may_be_mirrored() -> None:
 def test_what_is_wrong(parts: list[str], message: str) -> None:
     (found,) = told(*parts)
     assert found.startswith(message)
+
+
+def test_a_mesh_that_is_not_given() -> None:
+    text = robot(link("a", '<mesh filename="m.obj"/>'))
+    (problem,) = urdf_body.read(text, "r.urdf", {}).problems
+    assert problem.message == "mesh 'm.obj' is not given"
+    data: Data = {"name": "u", "shape_type": "urdf"}
+    data["urdf"] = {"source": "r.urdf", "text": text}
+    assert scene_told(data) == ["mesh 'm.obj' is not given"]
+    data["urdf"] = {**data["urdf"], "meshes": [{"source": "m.obj", "text": obj(BOX)}]}
+    assert scene_told(data) == []
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "iso-8859-1", "utf-16"])
+def test_the_text_has_been_decoded_whatever_its_head_says(encoding: str) -> None:
+    head = f'<?xml version="1.0" encoding="{encoding}"?>'
+    body = urdf_body.read(head + robot(link("ü")).replace(INERTIAL, ""), "r.urdf", {})
+    assert body.problems == []
+    assert [name for name, _ in body.without_inertia] == ["ü"]
 
 
 def test_another_document() -> None:
