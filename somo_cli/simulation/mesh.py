@@ -5,6 +5,7 @@ The only place trimesh is known; it is loaded when a scene has a mesh.
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 from functools import lru_cache
 from io import BytesIO
@@ -75,6 +76,10 @@ def _loaded(text: str, source: str) -> Any:
     kind = next((one for one in FORMATS if source.lower().endswith(one)), None)
     if kind is None:
         raise MeshFault("this is neither an OBJ nor an STL file", "the name ends in .obj or .stl")
+    log = logging.getLogger("trimesh")
+    if not log.handlers:
+        # it would print tracebacks of what it stumbles over, which is told below
+        log.addHandler(logging.NullHandler())
     content = text.encode("utf-8", "surrogateescape")
     # trimesh 5.2 lets through whatever its parsing stumbles over
     stumbles = (ValueError, IndexError, KeyError, TypeError, AttributeError, OverflowError)
