@@ -30,26 +30,36 @@ def read_text(path: str, largest: int = LARGEST_TEXT) -> str:
     return _read(Path(path), path, largest)
 
 
-def open_reference(naming_source: str, reference: str) -> tuple[str, str]:
+def open_reference(
+    naming_source: str,
+    reference: str,
+    is_outside_allowed: bool = False,
+    root: str | None = None,
+    largest: int = LARGEST_TEXT,
+    is_binary: bool = False,
+) -> tuple[str, str]:
     """Read a file that another file names, relative to that one; return its source and text.
 
-    Raises ValueError for a reference that leaves the folder of the naming file, OSError, and
-    InvalidFile as `read_text` does.
+    Raises ValueError for a reference that leaves the folder of the naming file, and that of the
+    file `root` if there is one, unless that is allowed; OSError, and InvalidFile as `read_text`
+    does. The bytes of a binary file that are not UTF-8 become surrogates.
     """
     if not reference or not reference.isprintable():
         raise ValueError("not the name of a file")
     if _SCHEME.match(reference):
         raise ValueError("a URL or a drive is not allowed, only a path in the same folder")
-    if reference.startswith(("/", "\\", "~")):
+    if reference.startswith(("/", "\\", "~")) and not is_outside_allowed:
         raise ValueError("the path must be relative to the file that names it")
     folder = Path(naming_source).parent
     path = folder / reference
     real = Path(os.path.realpath(path))
-    if not real.is_relative_to(os.path.realpath(folder)):
-        raise ValueError(f"the path leads out of the folder '{folder}'")
+    roots = [folder] if root is None else [folder, Path(root).parent]
+    is_inside = any(real.is_relative_to(os.path.realpath(one)) for one in roots)
+    if not is_inside and not is_outside_allowed:
+        raise ValueError(f"the path leads out of the folder '{roots[-1]}'")
     if real.exists() and not real.is_file():
         raise ValueError("not a regular file")
-    return str(path), _read(real, str(path))
+    return str(path), _read(real, str(path), largest, is_binary)
 
 
 @contextmanager
@@ -169,12 +179,14 @@ def partial(path: str) -> Iterator[TextIO]:
     stream.close()
 
 
-def _read(path: Path, source: str, largest: int = LARGEST_TEXT) -> str:
+def _read(path: Path, source: str, largest: int = LARGEST_TEXT, is_binary: bool = False) -> str:
     with path.open("rb") as stream:
         content = stream.read(largest + 1)
     start = Span(source, 1, 1)
     if len(content) > largest:
         raise InvalidFile([Problem(start, f"the file is larger than {largest} bytes")])
+    if is_binary:
+        return content.decode("utf-8", "surrogateescape")
     try:
         return content.decode("utf-8").removeprefix("\ufeff")
     except UnicodeDecodeError as error:

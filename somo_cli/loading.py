@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from functools import partial
 from typing import Literal, TypeAlias
 
 from somo_cli import files
@@ -13,25 +14,28 @@ from somo_cli.document.parse import Document, parse
 from somo_cli.manipulator import compile as compiler
 from somo_cli.manipulator.assembly import is_assembly
 from somo_cli.problems import InvalidFile, Pointer, Problem, has_errors
-from somo_cli.simulation import meaning, scene, sorotraj_meaning
+from somo_cli.simulation import meaning, scene, sorotraj_meaning, thing_files
 from somo_cli.simulation.scene import Scene
 
 Auto: TypeAlias = Literal["auto"]
 
 
-def load(path: str, sets: Sequence[str] = ()) -> Document:
+def load(path: str, sets: Sequence[str] = (), allow_outside: bool = False) -> Document:
     """Read a definition or scene, put in the files it names, and override values.
 
-    Raises OSError, and InvalidFile with every fault of the whole if a file cannot be put in.
+    Files lie in the folder of the one that names them, or below, unless `allow_outside`. Raises
+    OSError, and InvalidFile with every fault of the whole if a file cannot be put in.
     """
-    return load_text(files.read_text(path), path, sets)
+    return load_text(files.read_text(path), path, sets, allow_outside)
 
 
-def load_text(text: str, source: str, sets: Sequence[str] = ()) -> Document:
+def load_text(
+    text: str, source: str, sets: Sequence[str] = (), allow_outside: bool = False
+) -> Document:
     """Do as `load` does with the text of a file; other files are relative to `source`."""
-    document = _with_parts(parse(text, source))
+    document = _with_parts(parse(text, source), allow_outside)
     for assignment in sets:
-        document = _with_parts(override(document, assignment))
+        document = _with_parts(override(document, assignment), allow_outside)
     return document
 
 
@@ -126,10 +130,14 @@ def _with_chosen_step(found: Scene, document: Document) -> Scene:
     return dataclasses.replace(found, time_step=step, expected_error=error)
 
 
-def _with_parts(document: Document) -> Document:
+def _with_parts(document: Document, allow_outside: bool) -> Document:
     is_scene = scene.is_scene(document)
     places = scene.PLACES_OF_FILES if is_scene else compiler.PLACES_OF_FILES
-    document, problems = include(document, places, files.open_reference)
+    open_text = partial(files.open_reference, is_outside_allowed=allow_outside)
+    document, problems = include(document, places, open_text)
+    if is_scene:
+        document, more = thing_files.include_all(document, open_text)
+        problems += more
     if problems:
         raise InvalidFile([*problems, *judged(document)], document.texts)
     return document

@@ -53,14 +53,15 @@ HOMES = {
     "referencing": ("document.validate",),
     "rich": ("terminal",),
     "scipy": ("simulation.signal", "analysis.", "calibration."),
+    "trimesh": ("simulation.mesh",),
     "typer": ("cli.",),
-    "xml": ("manipulator.urdf",),
+    "xml": ("manipulator.urdf", "simulation.urdf_tree"),
     "yaml": ("document.parse",),
     "yourdfpy": ("manipulator.verify",),
 }
 
 # Slow to load, so nothing loads them that has not asked for what they do.
-HEAVY = {"matplotlib", "numpy", "pybullet", "rich", "scipy", "yourdfpy"}
+HEAVY = {"matplotlib", "numpy", "pybullet", "rich", "scipy", "trimesh", "yourdfpy"}
 
 
 class Import(NamedTuple):
@@ -162,6 +163,10 @@ def test_every_module_keeps_the_law(module: str) -> None:
     assert breaches(module, SOURCES[module]) == []
 
 
+def test_a_scene_without_a_mesh_loads_nothing_heavy_before_it_runs() -> None:
+    assert loaded_with("loading") & HEAVY == set()
+
+
 @pytest.mark.parametrize("module", ["cli", "document.validate", "manipulator.compile"])
 def test_the_door_and_the_compiler_load_nothing_heavy(module: str) -> None:
     assert loaded_with(module) & HEAVY == set()
@@ -180,7 +185,8 @@ def test_the_door_and_the_compiler_load_nothing_heavy(module: str) -> None:
         ("simulation.run", "def f():\n    import_module('pybullet')", "pybullet lives in"),
         ("simulation.run", "importlib.import_module('pybullet')", "pybullet lives in"),
         ("cli", "if TYPE_CHECKING:\n    from rich.text import Text", "rich lives in terminal"),
-        ("manipulator.urdf", "import trimesh.creation", "trimesh has no home"),
+        ("manipulator.urdf", "import trimesh.creation", "trimesh lives in simulation.mesh"),
+        ("manipulator.urdf", "import lxml.etree", "lxml has no home"),
         ("cellar.cost", "", "a room without a law"),
     ],
 )

@@ -121,7 +121,13 @@ def test_a_document_with_warnings(
 
 @pytest.mark.parametrize(
     "name",
-    ["many_faults.yaml", "part_and_more.yaml", "scene_many_faults.yaml", "wide_characters.yaml"],
+    [
+        "many_faults.yaml",
+        "part_and_more.yaml",
+        "scene_many_faults.yaml",
+        "scene_meshes.yaml",
+        "wide_characters.yaml",
+    ],
 )
 def test_a_process_of_its_own_says_the_same(name: str, somo: Somo, copy: Path) -> None:
     folder = copy / "invalid"

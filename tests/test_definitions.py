@@ -14,10 +14,11 @@ import pytest
 import scipy.linalg
 
 from somo_cli.loading import load
-from somo_cli.manipulator import geometry
+from somo_cli.manipulator import geometry, solids
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.compile import compile_definition
 from somo_cli.manipulator.kinematics import Pose, link_poses
+from somo_cli.manipulator.round_solids import RoundedBox
 from tests.conftest import Somo
 from tests.manipulator.bodies import bullet_mass_matrix
 
@@ -136,7 +137,7 @@ def test_every_scene_moves_and_stays_in_bounds(somo: Somo, scene: str, tmp_path:
     table = recorded(somo, scene, 2000, tmp_path)
     assert table["time_s"][-1] == pytest.approx(2.0)
     name = scene.removesuffix("_scene")
-    own = name not in ("scene", "gait", "press", "push", "turn")
+    own = name not in ("scene", "gait", "press", "push", "turn", "tumble")
     chain = chain_of(name if own else "finger")
     for limb in chain.backbones:
         end = f"{limb.prefix}tip."
@@ -166,6 +167,19 @@ def test_the_bar_turns_and_the_run_ends_at_rest(somo: Somo, tmp_path: Path) -> N
         ["begin", "actuator_0_segment_10", "object"],
         ["end", "actuator_0_segment_10", "object"],
     ]
+
+
+def test_what_tumbles_comes_to_rest_at_its_true_height(somo: Somo, tmp_path: Path) -> None:
+    table = recorded(somo, "tumble_scene", 2000, tmp_path)
+    assert table["die.pose.z_m"][-1] == pytest.approx(0.015, abs=2e-6)
+    # on its foot, whose outer edge is the origin of its frame
+    assert table["angle.pose.z_m"][-1] == pytest.approx(0, abs=2e-6)
+    assert table["pill.pose.z_m"] == pytest.approx(0.015, abs=2e-5)
+    assert table["pill.pose.y_m"][-1] > 0.1
+    die = solids.volume(RoundedBox((0.03, 0.03, 0.03), 0.004))
+    weights = {"die": 600 * die, "angle": 2700 * (30 * 30 * 5 + 5 * 30 * 25) * 1e-9}
+    for name, mass in weights.items():
+        assert table[f"{name}.contact.fz_n"][-1] == pytest.approx(9.81 * mass, rel=1e-3)
 
 
 def test_the_snake_stays_on_the_spot_and_in_its_plane(somo: Somo, tmp_path: Path) -> None:

@@ -155,6 +155,34 @@ def test_a_reference_that_leaves_its_folder_is_refused(
         open_reference(str(tree / "in/main.yaml"), reference)
 
 
+@pytest.mark.parametrize("reference", ["../out.yaml", "link.yaml", "{tree}/out.yaml"])
+def test_a_reference_may_lead_out_where_that_is_allowed(tree: Path, reference: str) -> None:
+    path = reference.format(tree=tree)
+    _, text = open_reference(str(tree / "in/main.yaml"), path, is_outside_allowed=True)
+    assert text == "name: out.yaml\n"
+    with pytest.raises(ValueError, match="not a regular file"):
+        open_reference(str(tree / "in/main.yaml"), "../in", is_outside_allowed=True)
+    with pytest.raises(ValueError, match="a URL or a drive"):
+        open_reference(str(tree / "in/main.yaml"), "file:///x", is_outside_allowed=True)
+
+
+def test_a_reference_may_lead_as_far_as_a_root(tree: Path) -> None:
+    naming, root = str(tree / "in/deep/b.yaml"), str(tree / "in/main.yaml")
+    assert open_reference(naming, "../a.yaml", root=root)[1] == "name: in/a.yaml\n"
+    for reference in ("../../out.yaml", "../link.yaml"):
+        with pytest.raises(ValueError, match="the path leads out of the folder"):
+            open_reference(naming, reference, root=root)
+
+
+def test_a_binary_file_keeps_its_bytes(tmp_path: Path) -> None:
+    content = bytes(range(256)) + b"\xef\xbb\xbf"
+    (tmp_path / "a.stl").write_bytes(content)
+    _, text = open_reference(str(tmp_path / "a.yaml"), "a.stl", is_binary=True)
+    assert text.encode("utf-8", "surrogateescape") == content
+    with pytest.raises(InvalidFile, match="the file is larger than 258 bytes"):
+        open_reference(str(tmp_path / "a.yaml"), "a.stl", largest=258, is_binary=True)
+
+
 def test_a_reference_to_nothing_raises(tree: Path) -> None:
     with pytest.raises(FileNotFoundError):
         open_reference(str(tree / "in/main.yaml"), "none.yaml")

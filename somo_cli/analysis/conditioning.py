@@ -11,7 +11,7 @@ from somo_cli.document.parse import Document
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.definition import MAXIMUM_JOINTS
-from somo_cli.manipulator.solids import Box, Cylinder, Solid
+from somo_cli.manipulator.solids import AnySolid, Box, Cylinder, Sphere
 from somo_cli.problems import Pointer, Problem
 from somo_cli.simulation.dynamics import ChainDynamics
 from somo_cli.simulation.plan import Body, Plan
@@ -159,11 +159,12 @@ def _sizes(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterator[
         )
 
 
-def _smallest(solid: Solid) -> float:
+def _smallest(solid: AnySolid) -> float:
     if isinstance(solid, Box):
         return min(solid.size)
     if isinstance(solid, Cylinder):
         return min(solid.length, 2 * solid.radius)
+    assert isinstance(solid, Sphere), "a manipulator is made of nothing else"
     return 2 * solid.radius
 
 

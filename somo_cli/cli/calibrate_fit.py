@@ -9,7 +9,7 @@ import typer
 from somo_cli import terminal
 from somo_cli.cli.calibrate import JsonOption, PatchOption, WriteOption, calibrate, table_of
 from somo_cli.cli.calibrate_result import keep, require_targets
-from somo_cli.cli.door import EXIT_CODES, ending, require
+from somo_cli.cli.door import EXIT_CODES, OutsideOption, ending, require
 
 if TYPE_CHECKING:
     from somo_cli.calibration.fit import Fit
@@ -59,6 +59,7 @@ def fit(
     ] = None,
     write: WriteOption = None,
     patch: PatchOption = None,
+    allow_outside: OutsideOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Fit stiffness, damping and actuation gain of a scene to a measured motion, by simulating.
@@ -71,7 +72,7 @@ def fit(
     from somo_cli.document.table import require as require_columns
 
     whats = _whats(parameters)
-    document = loading.load(scene)
+    document = loading.load(scene, allow_outside=allow_outside)
     planned, warnings = loading.scene_of(document)
     terminal.say_problems(warnings, document.texts)
     document = loading.as_scene(document)

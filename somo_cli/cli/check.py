@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from somo_cli import files, terminal
-from somo_cli.cli.door import EXIT_CODES, app, ending, require
+from somo_cli.cli.door import EXIT_CODES, OutsideOption, app, ending, require
 from somo_cli.problems import (
     InvalidFile,
     Problem,
@@ -48,6 +48,7 @@ def check(
     is_strict: Annotated[
         bool, typer.Option("--strict", help="Exit with 1 on warnings, too.")
     ] = False,
+    allow_outside: OutsideOption = False,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print the findings as JSON on standard output.")
     ] = False,
@@ -61,12 +62,12 @@ def check(
     require(has_one, "--numerics", f"it takes one scene, not {len(paths)}")
     require(trajectory is None or numerics, "--trajectory", "it goes with --numerics")
     if numerics:
-        _check_numerics(paths[0], trajectory, is_strict, as_json)
+        _check_numerics(paths[0], trajectory, allow_outside, is_strict, as_json)
     else:
-        _check_files(paths, is_strict, as_json)
+        _check_files(paths, allow_outside, is_strict, as_json)
 
 
-def _check_files(paths: Sequence[str], is_strict: bool, as_json: bool) -> None:
+def _check_files(paths: Sequence[str], allow_outside: bool, is_strict: bool, as_json: bool) -> None:
     from somo_cli import loading
 
     found: list[Problem] = []
@@ -74,7 +75,7 @@ def _check_files(paths: Sequence[str], is_strict: bool, as_json: bool) -> None:
     is_unreadable = False
     for path in paths:
         try:
-            document = loading.load(path)
+            document = loading.load(path, allow_outside=allow_outside)
         except InvalidFile as error:
             found.extend(error.problems)
             texts.update(error.texts)
@@ -92,10 +93,12 @@ def _check_files(paths: Sequence[str], is_strict: bool, as_json: bool) -> None:
     raise typer.Exit(5 if is_unreadable else int(_is_found(found, is_strict)))
 
 
-def _check_numerics(path: str, trajectory: str | None, is_strict: bool, as_json: bool) -> None:
+def _check_numerics(
+    path: str, trajectory: str | None, allow_outside: bool, is_strict: bool, as_json: bool
+) -> None:
     from somo_cli import loading
 
-    document = loading.load(path)
+    document = loading.load(path, allow_outside=allow_outside)
     try:
         scene, problems = loading.scene_of(document)
     except InvalidFile as error:

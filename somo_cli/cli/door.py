@@ -37,6 +37,14 @@ SetOption = Annotated[
         help="Override one value, such as actuator_definitions[0].n_segments=20. Repeatable.",
     ),
 ]
+OutsideOption = Annotated[
+    bool,
+    typer.Option(
+        "--allow-outside",
+        help="Read files that lie outside the folder of the file that names them, too: "
+        "definitions, trajectories, meshes and URDFs, by any path.",
+    ),
+]
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No summary on success.")]
 
 

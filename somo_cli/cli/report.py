@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from somo_cli import files, terminal
-from somo_cli.cli.door import EXIT_CODES, QuietOption, SetOption, app, ending, require
+from somo_cli.cli.door import (
+    EXIT_CODES,
+    OutsideOption,
+    QuietOption,
+    SetOption,
+    app,
+    ending,
+    require,
+)
 from somo_cli.problems import ExtraMissing, InvalidFile, Problem
 
 if TYPE_CHECKING:
@@ -67,6 +75,7 @@ def report(
         ),
     ] = None,
     sets: SetOption = None,
+    allow_outside: OutsideOption = False,
     quiet: QuietOption = False,
 ) -> None:
     """Measure error against run time, over time steps, integrators and numbers of segments.
@@ -82,7 +91,7 @@ def report(
 
     require(0 < duration <= 1e6, "--duration", f"{duration} is not greater than 0 and at most 1e6")
     require(0 < target < 1, "--target", f"{target} is not between 0 and 1")
-    document = loading.load(scene, sets or [])
+    document = loading.load(scene, sets or [], allow_outside)
     planned, warnings = loading.scene_of(document)
     terminal.say_problems(warnings, document.texts)
     steps = _steps(time_steps, planned.time_step)

@@ -12,6 +12,7 @@ import typer
 from somo_cli import files, terminal
 from somo_cli.cli.door import (
     EXIT_CODES,
+    OutsideOption,
     QuietOption,
     SetOption,
     app,
@@ -83,6 +84,7 @@ def run(
         ),
     ] = None,
     sets: SetOption = None,
+    allow_outside: OutsideOption = False,
     quiet: QuietOption = False,
 ) -> None:
     """Simulate a scene and stream its trajectory to CSV.
@@ -92,7 +94,7 @@ def run(
     from somo_cli import loading
 
     step = _step(time_step)
-    document = loading.load(scene, sets or [])
+    document = loading.load(scene, sets or [], allow_outside)
     planned, warnings = loading.scene_of(document, every, step)
     terminal.say_problems(warnings, document.texts)
     if record:

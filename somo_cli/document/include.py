@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from somo_cli.document.edit import embed_all
 from somo_cli.document.parse import MOST_VALUES, Document, parse
-from somo_cli.problems import InvalidFile, Pointer, Problem
+from somo_cli.problems import InvalidFile, Pointer, Problem, Span
 
 _PATH = "paths are relative to the file that names them, and stay in its folder or below"
 
@@ -16,6 +16,7 @@ def include(
     document: Document,
     places: Iterable[tuple[str, ...]],
     open_text: Callable[[str, str], tuple[str, str]],
+    make: Callable[[str, str, Span], Document] | None = None,
 ) -> tuple[Document, tuple[Problem, ...]]:
     """Read the file named at each place, and put the mapping in it there.
 
@@ -23,6 +24,7 @@ def include(
     an included file may name files in turn. `open_text(naming_source, path)` gives
     `(source, text)`, or raises OSError, InvalidFile, or ValueError for a path that is not
     allowed. Returns every fault of every file as well; what is at fault is not put in.
+    Files of another kind than YAML are made documents by `make(text, source, naming_span)`.
     """
     problems: list[Problem] = []
     texts = dict(document.texts)
@@ -33,6 +35,9 @@ def include(
             span = document.span(pointer)
             try:
                 source, text = open_text(span.source, path)
+                if make is not None:
+                    parts[pointer] = make(text, source, span)
+                    continue
                 if source not in read or read[source].texts[source] != text:
                     read[source] = _mapping(parse(text, source))
             except InvalidFile as error:

@@ -31,14 +31,14 @@ from somo_cli.manipulator.dimensions import (
 )
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.placement import spread
-from somo_cli.manipulator.solids import Box, Cylinder, Inertial, Solid, Sphere
+from somo_cli.manipulator.solids import AnySolid, Box, Cylinder, Inertial, Solid, Sphere
 
 
 @dataclass(frozen=True, slots=True)
 class Shape:
     """A solid with its pose in the frame of its link."""
 
-    solid: Solid
+    solid: AnySolid
     position: Position
     rpy: RollPitchYaw
     material: Material

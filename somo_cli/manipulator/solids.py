@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-from somo_cli.manipulator import geometry
+from somo_cli.manipulator import geometry, hull, round_solids
 from somo_cli.manipulator.dimensions import (
     InertiaTensor,
     Length,
@@ -13,6 +14,8 @@ from somo_cli.manipulator.dimensions import (
     Position,
 )
 from somo_cli.manipulator.geometry import Matrix, Tensor
+from somo_cli.manipulator.hull import Hull
+from somo_cli.manipulator.round_solids import Capsule, RoundedBox
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +41,8 @@ class Sphere:
 
 
 Solid: TypeAlias = Box | Cylinder | Sphere
+AnySolid: TypeAlias = Solid | Capsule | RoundedBox | Hull
+"""What a manipulator is made of, and what else an object can be."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,13 +54,28 @@ class Inertial:
     inertia: InertiaTensor
 
 
-def height(solid: Solid) -> float:
+def height(solid: AnySolid) -> float:
     """Return the extent along z, the direction of the backbone."""
-    if isinstance(solid, Box):
+    if isinstance(solid, Hull):
+        return hull.height(solid)
+    if isinstance(solid, Capsule):
+        return solid.length + 2 * solid.radius
+    if isinstance(solid, Box | RoundedBox):
         return solid.size[2]
     if isinstance(solid, Cylinder):
         return solid.length
     return 2 * solid.radius
+
+
+def volume(solid: Solid | Capsule | RoundedBox) -> float:
+    """Return the volume."""
+    if isinstance(solid, Capsule | RoundedBox):
+        return round_solids.volume(solid)
+    if isinstance(solid, Box):
+        return math.prod(solid.size)
+    if isinstance(solid, Cylinder):
+        return math.pi * solid.radius**2 * solid.length
+    return 4 / 3 * math.pi * solid.radius**3
 
 
 def part(solid: Solid, fraction: float) -> Solid:
@@ -67,11 +87,13 @@ def part(solid: Solid, fraction: float) -> Solid:
     return replace(solid, radius=solid.radius * fraction)
 
 
-def inertia(solid: Solid, mass: float) -> Tensor:
+def inertia(solid: Solid | Capsule | RoundedBox, mass: float) -> Tensor:
     """Return the inertia of a homogeneous solid about its centre.
 
     Goldstein, Classical Mechanics, 3rd ed., chapter 5; any table of moments of inertia.
     """
+    if isinstance(solid, Capsule | RoundedBox):
+        return round_solids.inertia(solid, mass)
     if isinstance(solid, Box):
         x, y, z = solid.size
         moments = (mass * (y * y + z * z) / 12, mass * (x * x + z * z) / 12)

@@ -14,7 +14,7 @@ from collections.abc import Iterable
 
 from somo_cli.manipulator.chain import Chain, Joint, Limb, Link, Shape
 from somo_cli.manipulator.definition import Material
-from somo_cli.manipulator.solids import Box, Cylinder, Solid
+from somo_cli.manipulator.solids import AnySolid, Box, Cylinder, Sphere
 
 _HEADER = '<?xml version="1.0" encoding="utf-8"?>\n'
 
@@ -122,13 +122,14 @@ def _add_geometry(parent: ET.Element, shape: Shape, factor: float) -> None:
     ET.SubElement(element, tag, attributes)
 
 
-def _geometry(solid: Solid, factor: float) -> tuple[str, dict[str, str]]:
+def _geometry(solid: AnySolid, factor: float) -> tuple[str, dict[str, str]]:
     if isinstance(solid, Box):
         return "box", {"size": _numbers(edge * factor for edge in solid.size)}
-    radius = number(solid.radius * factor)
     if isinstance(solid, Cylinder):
-        return "cylinder", {"length": number(solid.length * factor), "radius": radius}
-    return "sphere", {"radius": radius}
+        length, radius = number(solid.length * factor), number(solid.radius * factor)
+        return "cylinder", {"length": length, "radius": radius}
+    assert isinstance(solid, Sphere), "the engine takes all other objects without a URDF"
+    return "sphere", {"radius": number(solid.radius * factor)}
 
 
 def _add_joint(robot: ET.Element, joint: Joint, parent: str, child: str) -> None:

@@ -15,6 +15,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+from somo_cli.manipulator.geometry import Matrix
 from somo_cli.problems import EngineMissing, EngineRefused
 from somo_cli.simulation import bullet_surface
 from somo_cli.simulation.bullet_body import BulletBody
@@ -129,7 +130,8 @@ class BulletWorld:
 
             for number, thing in enumerate(self._plan.things):
                 path = Path(folder) / f"object_{number}.urdf"
-                path.write_text(thing.urdf, encoding="utf-8")
+                if thing.urdf:
+                    path.write_text(thing.urdf, encoding="utf-8")
                 self.things.append(BulletThing(self._bullet, self._client, thing, str(path)))
         for number, loaded in enumerate(self.bodies):
             for place, link in enumerate(loaded.links):
@@ -146,16 +148,16 @@ class BulletWorld:
 
     def _gripping(self, step: Callable[[], object], ground: int | None) -> Callable[[], object]:
         """Return a step before which friction that depends on the direction is applied."""
-        found: list[tuple[int, int, Surface]] = []
+        found: list[tuple[int, int, Surface, Matrix | None]] = []
         for body, planned in zip(self.bodies, self._plan.bodies, strict=True):
             found += [
-                (body.index, link, planned.surfaces.of(number, len(body.links)))
+                (body.index, link, planned.surfaces.of(number, planned.chain), None)
                 for number, link in enumerate(body.links)
             ]
         for thing, of_thing in zip(self.things, self._plan.things, strict=True):
-            found.append((thing.index, -1, of_thing.thing.surface))
+            found.append((thing.index, -1, of_thing.thing.surface, thing.axes))
         if ground is not None and self._plan.ground is not None:
-            found.append((ground, -1, self._plan.ground.surface))
+            found.append((ground, -1, self._plan.ground.surface, None))
         skins = [Skin.of(self._bullet, self._client, *one) for one in found]
         act = BulletGrip(self._bullet, self._client, self._plan.time_step, skins).act
 

@@ -266,7 +266,7 @@ class BulletBody:
                 physicsClientId=client,
             )
             # seen in 3.2.7: said together with a rate, a link's surface is not heard, only a base's
-            surface = settings(self._body.surfaces.of(number, len(self.links)))
+            surface = settings(self._body.surfaces.of(number, self._body.chain))
             bullet.changeDynamics(body, link, **surface, physicsClientId=client)
         # every joint has a velocity motor by default; with zero force it is gone, with a force
         # it is dry friction of that torque

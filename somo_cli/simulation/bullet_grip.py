@@ -26,11 +26,18 @@ class Skin:
     axes: Array
 
     @staticmethod
-    def of(bullet: Any, client: int, body: int, link: int, surface: Surface) -> Skin:
-        """Return the skin of a loaded link."""
+    def of(
+        bullet: Any,
+        client: int,
+        body: int,
+        link: int,
+        surface: Surface,
+        axes: geometry.Matrix | None = None,
+    ) -> Skin:
+        """Return the skin of a loaded link; `axes` where the engine does not know the link's."""
         told = bullet.getDynamicsInfo(body, link, client)
-        axes = np.array(geometry.rotation_from_quaternion(told[4])).T
-        return Skin(body, link, surface, told[0], axes)
+        axes = axes or geometry.transposed(geometry.rotation_from_quaternion(told[4]))
+        return Skin(body, link, surface, told[0], np.array(axes))
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from somo_cli.manipulator.chain import Chain, Shape
-from somo_cli.manipulator.solids import Box
+from somo_cli.manipulator.solids import Box, Cylinder, Sphere
 
 
 def spare_near_links(
@@ -20,8 +20,9 @@ def spare_near_links(
     springs stand for that. The joints of the body are at zero.
     """
     width = _width(chain)
+    parents = {(joint.parent, child) for child, joint in enumerate(chain.joints, start=1)}
     for (a, link), (b, other) in itertools.combinations(enumerate(links), 2):
-        near = b - a == 1 or bullet.getClosestPoints(
+        near = (a, b) in parents or bullet.getClosestPoints(
             body, body, width, linkIndexA=link, linkIndexB=other, physicsClientId=client
         )
         if near:
@@ -29,12 +30,14 @@ def spare_near_links(
 
 
 def _width(chain: Chain) -> float:
-    """Return the larger edge of the widest cross-section; engine units, like the chain."""
-    return max((_across(shape) for link in chain.links for shape in link.shapes), default=0.0)
+    """Return the larger edge of the widest cross-section of what moves; engine units."""
+    moving = chain.links[1:]
+    return max((_across(shape) for link in moving for shape in link.shapes), default=0.0)
 
 
 def _across(shape: Shape) -> float:
     solid = shape.solid
     if isinstance(solid, Box):
         return max(solid.size[0], solid.size[1])
+    assert isinstance(solid, (Cylinder, Sphere)), "links have no other shapes"
     return 2 * solid.radius

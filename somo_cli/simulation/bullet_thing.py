@@ -5,25 +5,31 @@ from __future__ import annotations
 from typing import Any
 
 from somo_cli.manipulator import geometry
-from somo_cli.manipulator.geometry import Vector
+from somo_cli.manipulator.geometry import Matrix, Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import EngineRefused
+from somo_cli.simulation import bullet_compound
 from somo_cli.simulation.bullet_body import UNLIMITED_RATE
 from somo_cli.simulation.bullet_surface import settings
 from somo_cli.simulation.plan import PlannedThing
 
 
 class BulletThing:
-    """One object in the engine, engine units. Its frame is at its centre of mass."""
+    """One object in the engine, engine units. `path` is that of a URDF file, if it has one."""
 
     def __init__(self, bullet: Any, client: int, planned: PlannedThing, path: str) -> None:
         self._bullet = bullet
         self._client = client
         self._thing = planned.thing
-        flags = bullet.URDF_USE_INERTIA_FROM_FILE | bullet.URDF_USE_IMPLICIT_CYLINDER
-        self.index: int = bullet.loadURDF(
-            path, useFixedBase=self._thing.is_fixed, flags=flags, physicsClientId=client
-        )
+        self._principal = planned.compound.frame if planned.compound else None
+        if planned.compound:
+            stem, is_fixed = path.removesuffix(".urdf"), self._thing.is_fixed
+            self.index = bullet_compound.load(bullet, client, planned.compound, stem, is_fixed)
+        else:
+            flags = bullet.URDF_USE_INERTIA_FROM_FILE | bullet.URDF_USE_IMPLICIT_CYLINDER
+            self.index = bullet.loadURDF(
+                path, useFixedBase=self._thing.is_fixed, flags=flags, physicsClientId=client
+            )
         bullet.changeDynamics(
             self.index,
             -1,
@@ -43,11 +49,11 @@ class BulletThing:
     def reset(self, linear_velocity: Vector | None = None) -> None:
         """Put the object at its start, with another velocity if given."""
         thing = self._thing
-        rotation = geometry.rotation_from_rpy(thing.rpy)
+        start = self.to_engine(Pose(thing.position, geometry.rotation_from_rpy(thing.rpy)))
         self._bullet.resetBasePositionAndOrientation(
             self.index,
-            thing.position,
-            geometry.quaternion_from_rotation(rotation),
+            start.position,
+            geometry.quaternion_from_rotation(start.rotation),
             self._client,
         )
         self._bullet.resetBaseVelocity(
@@ -57,13 +63,31 @@ class BulletThing:
             physicsClientId=self._client,
         )
 
+    def to_engine(self, frame: Pose) -> Pose:
+        """Return what the engine takes for a pose of the object's frame: that of its axes."""
+        if not self._principal:
+            return frame
+        rotation = geometry.multiply(frame.rotation, self._principal.rotation)
+        return Pose(frame.point(self._principal.position), rotation)
+
+    @property
+    def axes(self) -> Matrix | None:
+        """The axes of the object's frame in the engine's, None if they are the same."""
+        return geometry.transposed(self._principal.rotation) if self._principal else None
+
     def pose(self) -> Pose:
         """Return the pose of the object's frame in the world."""
         position, turn = self._bullet.getBasePositionAndOrientation(self.index, self._client)
-        return Pose(position, geometry.rotation_from_quaternion(turn))
+        rotation = geometry.rotation_from_quaternion(turn)
+        if self._principal:
+            # the engine tells the pose of the principal axes
+            rotation = geometry.multiply(rotation, geometry.transposed(self._principal.rotation))
+            offset = geometry.rotate(rotation, self._principal.position)
+            position = geometry.subtract(position, offset)
+        return Pose(position, rotation)
 
     def linear_velocity(self) -> Vector:
-        """Return the velocity of its centre."""
+        """Return the velocity of its centre of mass."""
         linear, _ = self._bullet.getBaseVelocity(self.index, self._client)
         return (linear[0], linear[1], linear[2])
 

@@ -9,8 +9,10 @@ from typing import Any
 from somo_cli.document.parse import Document
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain, Shape
+from somo_cli.manipulator.hull import Hull
 from somo_cli.manipulator.kinematics import Pose, link_poses
 from somo_cli.manipulator.meaning import IsSound
+from somo_cli.manipulator.round_solids import Capsule, RoundedBox
 from somo_cli.manipulator.solids import Box, Cylinder
 from somo_cli.problems import Pointer, Problem
 from somo_cli.simulation.scene import per_joint
@@ -64,6 +66,13 @@ def lowest(shape: Shape, link: Pose) -> float:
         reach = sum(abs(up) * edge / 2 for up, edge in zip((x, y, z), solid.size, strict=True))
     elif isinstance(solid, Cylinder):
         reach = abs(z) * solid.length / 2 + math.hypot(x, y) * solid.radius
+    elif isinstance(solid, Capsule):
+        reach = abs(z) * solid.length / 2 + solid.radius
+    elif isinstance(solid, RoundedBox):
+        reach = sum(abs(up) * half for up, half in zip((x, y, z), solid.core, strict=True))
+        reach += solid.radius
+    elif isinstance(solid, Hull):
+        reach = -min(x * px + y * py + z * pz for px, py, pz in solid.vertices)
     else:
         reach = solid.radius
     return link.point(shape.position)[2] - reach

@@ -21,6 +21,7 @@ from somo_cli.simulation import (
     record_meaning,
     sorotraj_meaning,
     stop_meaning,
+    thing_files,
     thing_meaning,
 )
 from somo_cli.simulation.scene import PLACES_OF_FILES, name_of, per_joint
@@ -29,7 +30,7 @@ from somo_cli.simulation.scene import PLACES_OF_FILES, name_of, per_joint
 def faults(document: Document) -> tuple[Problem, ...]:
     """Return every error and warning about a scene and the definitions in it."""
     shape = faults_of_shape(document, "scene")
-    missing = unread(document, PLACES_OF_FILES)
+    missing = unread(document, (*PLACES_OF_FILES, *thing_files.PLACES))
     is_sound = soundness(shape, missing)
     strangers = _strangers_in_place_of_definitions(document)
     problems = [fault.problem for fault in shape if not _is_within(fault.pointer, strangers)]

@@ -70,12 +70,17 @@ def origin(inputs: Mapping[str, str], overrides: Sequence[str]) -> dict[str, obj
         "python": platform.python_version(),
         "platform": f"{platform.system()} {platform.machine()}",
         "inputs": {
-            source: {"sha256": hashlib.sha256(text.encode()).hexdigest()}
+            source: {"sha256": hashlib.sha256(_bytes(text)).hexdigest()}
             for source, text in inputs.items()
             if not source.startswith("--set")
         },
         "overrides": list(overrides),
     }
+
+
+def _bytes(text: str) -> bytes:
+    # what was not UTF-8 in a binary file stands as surrogates in its text
+    return text.encode("utf-8", "surrogateescape")
 
 
 def _engine() -> str:

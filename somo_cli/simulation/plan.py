@@ -18,8 +18,9 @@ from somo_cli.manipulator.dimensions import (
 )
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
-from somo_cli.simulation import signal
+from somo_cli.simulation import compound, signal
 from somo_cli.simulation.actuation import Actuation
+from somo_cli.simulation.compound import Compound
 from somo_cli.simulation.scene import (
     Base,
     Frame,
@@ -100,10 +101,11 @@ class Body:
 
 @dataclass(frozen=True, slots=True)
 class PlannedThing:
-    """One object, ready to load: in engine units, and the URDF of it."""
+    """One object, ready to load: in engine units, and the URDF of it, or a compound instead."""
 
     thing: Thing
     urdf: str
+    compound: Compound | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,6 +188,9 @@ def _body(manipulator: Manipulator, scale: Scale, can_touch: bool) -> Body:
 
 def _thing(one: Thing, scale: Scale) -> PlannedThing:
     thing = scaled(one, scale)
+    (link,) = thing.chain.links
+    if not compound.is_plain(link):
+        return PlannedThing(thing, "", compound.compound(link))
     return PlannedThing(thing, urdf.render_for_engine(thing.chain, with_collisions=True))
 
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.dimensions import (
     ContactDamping,
     ContactStiffness,
@@ -53,17 +54,18 @@ class Surface:
 
 @dataclass(frozen=True, slots=True)
 class Surfaces:
-    """The surfaces of a manipulator: its first link, the last, and those between."""
+    """The surfaces of a manipulator: its first link, the last of every limb, and those between."""
 
     base: Surface
     links: Surface
     tips: Surface
 
-    def of(self, link: int, count: int) -> Surface:
-        """Return the surface of a link, 0 the base, of a chain of `count` links."""
+    def of(self, link: int, chain: Chain) -> Surface:
+        """Return the surface of a link of a chain, 0 the base."""
         if link == 0:
             return self.base
-        return self.tips if link == count - 1 else self.links
+        is_last = any(link == limb.last_link for limb in chain.backbones)
+        return self.tips if is_last else self.links
 
     @property
     def all(self) -> tuple[Surface, ...]:

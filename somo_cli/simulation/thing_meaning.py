@@ -9,13 +9,12 @@ from somo_cli.document.parse import Document
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.manipulator.meaning import IsSound
-from somo_cli.problems import Pointer, Problem
+from somo_cli.problems import Pointer, Problem, has_errors
+from somo_cli.simulation import shape_meaning
 from somo_cli.simulation.ground_meaning import DEEPEST, lowest
 from somo_cli.simulation.scene import name_of
 from somo_cli.simulation.things import thing
 
-_COUNTS = {"box": 3, "cylinder": 2, "sphere": 1}
-_FORMS = {"box": "[x, y, z]", "cylinder": "[height, radius]", "sphere": "[radius]"}
 _MOTION = ("linear_velocity", "angular_velocity")
 
 
@@ -34,7 +33,7 @@ def faults(document: Document, is_sound: IsSound) -> Iterator[Problem]:
             message = f"there is another '{item['name']}' in the scene"
             yield Problem(document.span((*at, "name")), message, "give it a name of its own")
         names.add(item["name"])
-        if not own and isinstance(scene, Mapping) and is_sound(("ground",)):
+        if not has_errors(own) and isinstance(scene, Mapping) and is_sound(("ground",)):
             yield from _ground_faults(document, at, item, scene.get("ground"))
 
 
@@ -51,17 +50,8 @@ def _names_of_manipulators(scene: object) -> set[str]:
 
 
 def _own_faults(document: Document, at: Pointer, data: Mapping[str, Any]) -> Iterator[Problem]:
-    shape, found = data["shape_type"], len(data["dimensions"])
-    if found != _COUNTS[shape]:
-        yield Problem(
-            document.span((*at, "dimensions")),
-            f"a {shape} has {_COUNTS[shape]} dimensions, found {found}",
-            f"they are {_FORMS[shape]}",
-        )
+    yield from shape_meaning.faults(document, at, data)
     if not data.get("fixed", False):
-        if "mass" not in data:
-            message = "a free object needs a mass"
-            yield Problem(document.span(at, key=True), message, "add mass, or set fixed: true")
         return
     for key in _MOTION:
         if key in data:
@@ -79,8 +69,8 @@ def _ground_faults(
         return  # what is fixed may stand in the ground, with which it cannot collide
     one = thing(data)
     pose = Pose(one.position, geometry.rotation_from_rpy(one.rpy))
-    (shape,) = one.chain.links[0].shapes
-    depth = float(ground.get("height", 0)) - lowest(shape, pose)
+    low = min(lowest(shape, pose) for shape in one.chain.links[0].shapes)
+    depth = float(ground.get("height", 0)) - low
     if depth > DEEPEST * one.chain.length:
         yield Problem(
             document.span((*at, "position")),

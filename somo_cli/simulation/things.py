@@ -1,4 +1,4 @@
-"""Objects of a scene, fixed or free: rigid bodies of one solid, which nothing of ours drives."""
+"""Objects of a scene, fixed or free: rigid bodies, which nothing of ours drives."""
 
 from __future__ import annotations
 
@@ -7,27 +7,25 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from somo_cli.manipulator import geometry, solids
-from somo_cli.manipulator.chain import Chain, Link, Shape
-from somo_cli.manipulator.definition import Material
+from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.dimensions import (
     Angle,
     AngularRate,
     Length,
     Velocity,
 )
-from somo_cli.manipulator.read import solid_from
-from somo_cli.manipulator.solids import Inertial
+from somo_cli.simulation import thing_shapes
 from somo_cli.simulation.surface import Surface, surface
 
 Reading = Literal["pose", "velocity", "angles", "contact_force", "contact_pairs"]
 
-FIXED_MASS = 1.0  # kg, of what cannot move and so needs none
-_MATERIAL = Material("object", (0.8, 0.6, 0.3, 1.0))
-
 
 @dataclass(frozen=True, slots=True)
 class Thing:
-    """An object: a chain of one link, centred on its frame, and how it starts, in the world."""
+    """An object: a chain of one link, and how it starts, in the world.
+
+    The pose is that of its frame, the velocity that of its centre of mass.
+    """
 
     name: str
     chain: Chain
@@ -40,16 +38,13 @@ class Thing:
 
 
 def thing(data: Mapping[str, Any]) -> Thing:
-    """Return the object that a sound mapping describes; its inertia is that of the solid."""
+    """Return the object that a sound mapping describes."""
     name = str(data["name"])
-    solid = solid_from(data["shape_type"], [float(value) for value in data["dimensions"]])
-    mass = float(data.get("mass", FIXED_MASS))
-    inertial = Inertial(mass, geometry.ZERO, solids.inertia(solid, mass))
-    shape = Shape(solid, geometry.ZERO, geometry.ZERO, _MATERIAL, 1.0)
-    link = Link("object", inertial, (shape,))
+    link = thing_shapes.link(data)
+    height = max(solids.height(shape.solid) for shape in link.shapes)
     return Thing(
         name=name,
-        chain=Chain(name, (link,), (), geometry.ZERO, solids.height(solid)),
+        chain=Chain(name, (link,), (), geometry.ZERO, height),
         is_fixed=bool(data.get("fixed", False)),
         position=geometry.vector(data.get("position", (0, 0, 0))),
         rpy=geometry.vector(data.get("rpy", (0, 0, 0))),

@@ -88,14 +88,16 @@ class ThingsEnergy:
 
     def __init__(self, plan: Plan, things: Sequence[WorldThing]) -> None:
         self._weight = geometry.norm(plan.gravity)
-        self._free: list[tuple[WorldThing, float, Vector]] = []
+        self._free: list[tuple[WorldThing, float, Vector, float]] = []
         self._started_with = 0.0
         for one, planned in zip(things, plan.things, strict=True):
             thing = planned.thing
             if thing.is_fixed:
                 continue
             inertial = thing.chain.links[0].inertial
-            self._free.append((one, inertial.mass, thing.position))
+            # while its frame stays, a centre of mass beside it can still fall that far
+            beside = 2 * geometry.norm(inertial.centre)
+            self._free.append((one, inertial.mass, thing.position, beside))
             straight = 0.5 * inertial.mass * _square(thing.linear_velocity)
             turning = 0.5 * max(inertial.inertia) * _square(thing.angular_velocity)
             self._started_with += straight + turning
@@ -105,8 +107,10 @@ class ThingsEnergy:
         """Return the bound for now."""
         if self._free:
             fallen = sum(
-                mass * self._weight * geometry.norm(geometry.subtract(one.pose().position, start))
-                for one, mass, start in self._free
+                mass
+                * self._weight
+                * (geometry.norm(geometry.subtract(one.pose().position, start)) + beside)
+                for one, mass, start, beside in self._free
             )
             self._fallen = max(self._fallen, fallen)
         return self._started_with + self._fallen

@@ -59,10 +59,10 @@ class WorldThing(Protocol):
         """Put the object at its start, with another velocity if given."""
 
     def pose(self) -> Pose:
-        """Return the pose of the object's frame, which is at its centre, in the world."""
+        """Return the pose of the object's frame in the world."""
 
     def linear_velocity(self) -> Vector:
-        """Return the velocity of its centre."""
+        """Return the velocity of its centre of mass."""
 
     def velocity(self) -> tuple[Vector, Vector]:
         """Return the velocity of its centre and its angular velocity, in the world."""

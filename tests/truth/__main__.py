@@ -15,6 +15,7 @@ from tests.truth import (
     estimates,
     fitted,
     motion,
+    shapes,
     surfaces,
     touching,
 )
@@ -27,7 +28,7 @@ def main() -> None:
     arguments.add_argument("-o", "--output", metavar="FILE", type=Path)
     options = arguments.parse_args()
     found = []
-    sections = (beams, calibrated, fitted, motion, estimates, touching, surfaces)
+    sections = (beams, calibrated, fitted, motion, estimates, touching, surfaces, shapes)
     for section in (one.rows for one in sections):
         for _, part in itertools.groupby(section(), key=lambda row: row.what):
             rows = list(part)

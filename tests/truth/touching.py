@@ -31,7 +31,9 @@ def last_row(scene: Scene, step: float, time: float) -> dict[str, float]:
 def with_cubes(*cubes: dict[str, object], **of_scene: object) -> Scene:
     """Return a scene of cubes on the ground, and one manipulator that is far away."""
     one = {"definition": manipulator(actuator(1, X), world_scale=20), "position": [9, 9, 9]}
-    objects = [{**CUBE, **cube} for cube in cubes]
+    objects = [
+        {**CUBE, **cube} if "mesh" not in cube else {"friction": 0.5, **cube} for cube in cubes
+    ]
     record = {"columns": [], "objects": ["pose", "contact_force"]}
     data = {"ground": {}, "manipulators": [one], "objects": objects, "record": record}
     return scene_from_text(json.dumps({**data, **of_scene}))

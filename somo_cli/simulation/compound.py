@@ -1,0 +1,135 @@
+"""An object as the engine takes it: shapes about its centre of mass, in its principal axes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Literal
+
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator.chain import Link, Shape
+from somo_cli.manipulator.geometry import Matrix, Tensor, Vector
+from somo_cli.manipulator.kinematics import Pose
+from somo_cli.manipulator.round_solids import Capsule, RoundedBox
+from somo_cli.manipulator.solids import AnySolid, Box, Cylinder, Sphere
+from somo_cli.manipulator.urdf import number
+
+MOST_SHAPES = 16
+"""Seen in PyBullet 3.2.7: createCollisionShapeArray drops what is more, without a word."""
+
+_ROUNDING = 1e-12  # of a product of inertia, by the largest moment
+_UNTURNED = (0.0, 0.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class EngineShape:
+    """One collision shape, its pose in the frame of the compound; `obj` is the text of a mesh."""
+
+    kind: Literal["box", "sphere", "cylinder", "capsule", "mesh"]
+    position: Vector = geometry.ZERO
+    orientation_xyzw: tuple[float, float, float, float] = _UNTURNED
+    radius: float = 1.0
+    length: float = 1.0
+    half_edges: Vector = (1.0, 1.0, 1.0)
+    obj: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Compound:
+    """A body of several shapes, or of one that no URDF of the engine can say exactly.
+
+    `frame` is that of the principal axes, in the object's. `margin` is what the engine adds
+    around every mesh, in the length unit of the shapes.
+    """
+
+    frame: Pose
+    mass: float
+    moments: Vector
+    margin: float
+    shapes: tuple[EngineShape, ...]
+
+
+def is_plain(link: Link) -> bool:
+    """Whether the link is one centred box, cylinder or sphere, which a URDF says exactly."""
+    return (
+        len(link.shapes) == 1
+        and isinstance(link.shapes[0].solid, Box | Cylinder | Sphere)
+        and (link.shapes[0].position == link.shapes[0].rpy == link.inertial.centre == geometry.ZERO)
+    )
+
+
+def compound(link: Link) -> Compound:
+    """Return the link of an object as the engine takes it, in the units of the link."""
+    axes, moments = principal(link.inertial.inertia)
+    frame = Pose(link.inertial.centre, axes)
+    radii = [one.solid.radius for one in link.shapes if isinstance(one.solid, RoundedBox)]
+    return Compound(
+        frame,
+        link.inertial.mass,
+        moments,
+        # a rounded box is alone in its body, so the margin is for it only
+        max(radii, default=0.0),
+        tuple(part for shape in link.shapes for part in _parts(shape, frame)),
+    )
+
+
+def count(solids: Sequence[AnySolid]) -> int:
+    """Return how many shapes of the engine these solids are."""
+    return sum(3 if isinstance(solid, Capsule) else 1 for solid in solids)
+
+
+def principal(tensor: Tensor) -> tuple[Matrix, Vector]:
+    """Return the principal axes of an inertia, as columns, and the moments about them."""
+    xx, xy, xz, yy, yz, zz = tensor
+    if max(abs(xy), abs(xz), abs(yz)) <= _ROUNDING * max(xx, yy, zz):
+        return geometry.IDENTITY, (xx, yy, zz)
+    import numpy as np  # slow to load, and few bodies need it
+
+    moments, axes = np.linalg.eigh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    if np.linalg.det(axes) < 0:
+        axes[:, 0] *= -1
+    x, y, z = (geometry.vector(row) for row in axes.tolist())
+    return (x, y, z), geometry.vector(moments.tolist())
+
+
+def _parts(shape: Shape, frame: Pose) -> list[EngineShape]:
+    inverse = geometry.transposed(frame.rotation)
+    position = geometry.rotate(inverse, geometry.subtract(shape.position, frame.position))
+    rotation = geometry.multiply(inverse, geometry.rotation_from_rpy(shape.rpy))
+    turn = geometry.quaternion_from_rotation(rotation)
+    solid = shape.solid
+    if isinstance(solid, Box):
+        x, y, z = solid.size
+        return [EngineShape("box", position, turn, half_edges=(x / 2, y / 2, z / 2))]
+    if isinstance(solid, Sphere):
+        return [EngineShape("sphere", position, turn, solid.radius)]
+    if isinstance(solid, Cylinder):
+        return [EngineShape("cylinder", position, turn, solid.radius, solid.length)]
+    if isinstance(solid, Capsule):
+        # seen in 3.2.7: a capsule alone touches a plane in one point, which jumps from end to end
+        # as it rolls and speeds it up by a sixth in a second; the balls in its ends hold both
+        along = geometry.rotate(rotation, (0.0, 0.0, solid.length / 2))
+        return [
+            EngineShape("capsule", position, turn, solid.radius, solid.length),
+            EngineShape("sphere", geometry.add(position, along), turn, solid.radius),
+            EngineShape("sphere", geometry.subtract(position, along), turn, solid.radius),
+        ]
+    if isinstance(solid, RoundedBox):
+        # the engine's margin is the radius: a ball added to the core, which is the very shape
+        corners = product(*((-half, half) for half in solid.core))
+        return [EngineShape("mesh", position, turn, obj=_obj(tuple(corners), _OF_BOX))]
+    return [EngineShape("mesh", position, turn, obj=_obj(solid.vertices, solid.faces))]
+
+
+_OF_BOX = (
+    *((0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5)),
+    *((0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6)),
+    *((0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)),
+)
+
+
+def _obj(vertices: Sequence[Sequence[float]], faces: Sequence[tuple[int, int, int]]) -> str:
+    lines = ["v " + " ".join(map(number, vertex)) for vertex in vertices]
+    lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]
+    return "\n".join(lines) + "\n"

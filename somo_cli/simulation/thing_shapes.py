@@ -1,0 +1,111 @@
+"""What an object is made of: its shapes and its inertia, in its frame."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from somo_cli.manipulator import geometry, solids
+from somo_cli.manipulator.chain import Link, Shape
+from somo_cli.manipulator.definition import Material
+from somo_cli.manipulator.read import solid_from
+from somo_cli.manipulator.round_solids import Capsule, RoundedBox
+from somo_cli.manipulator.solids import AnySolid, Inertial, Solid
+
+if TYPE_CHECKING:
+    from somo_cli.simulation.mesh import Measured
+    from somo_cli.simulation.urdf_body import UrdfBody
+
+FIXED_MASS = 1.0  # kg, of what cannot move and so needs none
+_MATERIAL = Material("object", (0.8, 0.6, 0.3, 1.0))
+
+
+def link(data: Mapping[str, Any]) -> Link:
+    """Return the one link of the object that a sound mapping describes."""
+    if data["shape_type"] == "mesh":
+        return _link_of_meshes(data)
+    if data["shape_type"] == "urdf":
+        return _link_of_urdf(data)
+    solid = solid_of(data)
+    mass = _mass(data, solids.volume(solid))
+    inertial = Inertial(mass, geometry.ZERO, solids.inertia(solid, mass))
+    return Link("object", inertial, (placed(solid),))
+
+
+def solid_of(data: Mapping[str, Any]) -> Solid | Capsule | RoundedBox:
+    """Return the solid of a `shape_type` that has `dimensions`."""
+    dimensions = [float(value) for value in data["dimensions"]]
+    if data["shape_type"] == "capsule":
+        return Capsule(dimensions[0], dimensions[1])
+    if data.get("edge_radius", 0) > 0:
+        return RoundedBox(geometry.vector(dimensions), float(data["edge_radius"]))
+    return solid_from(data["shape_type"], dimensions)
+
+
+def measured(data: Mapping[str, Any]) -> list[Measured]:
+    """Return what is known of each mesh of an object. Raises MeshFault."""
+    from somo_cli.simulation.mesh import measured as measured_mesh
+
+    return [
+        measured_mesh(one["text"], one["source"], scale_of(data)) for one in files_of(data["mesh"])
+    ]
+
+
+def files_of(value: Any) -> list[Mapping[str, Any]]:
+    """Return the files of `mesh`, which is one or a list."""
+    return value if isinstance(value, list) else [value]
+
+
+def scale_of(data: Mapping[str, Any]) -> geometry.Vector:
+    """Return the factors on the axes of a mesh."""
+    scale = data.get("mesh_scale", 1)
+    return geometry.vector(scale if isinstance(scale, list) else [scale] * 3)
+
+
+def urdf_body(data: Mapping[str, Any]) -> UrdfBody:
+    """Return what the URDF of an object says, and its faults."""
+    from somo_cli.simulation import urdf_body, urdf_tree
+
+    file = data["urdf"]
+    names = urdf_tree.mesh_names(file["text"], file["source"])
+    read = [
+        (one["source"], one["text"]) for one in file.get("meshes", ()) if isinstance(one, Mapping)
+    ]
+    # each name stands for the file at its place
+    meshes = dict(zip(names, read, strict=True)) if len(read) == len(names) else {}
+    return urdf_body.read(file["text"], file["source"], meshes)
+
+
+def placed(
+    solid: AnySolid,
+    position: geometry.Vector = geometry.ZERO,
+    rpy: geometry.Vector = geometry.ZERO,
+) -> Shape:
+    """Return a shape of an object: the solid at a pose in the object's frame."""
+    return Shape(solid, position, rpy, _MATERIAL, 1.0)
+
+
+def _link_of_meshes(data: Mapping[str, Any]) -> Link:
+    parts = measured(data)
+    solid = [one.solid or one.of_hull for one in parts]  # an open one is fixed, and has no weight
+    whole = solids.lumped(tuple(solid))
+    mass = _mass(data, whole.mass)
+    factor = mass / whole.mass
+    xx, xy, xz, yy, yz, zz = (factor * value for value in whole.inertia)
+    inertial = Inertial(mass, whole.centre, (xx, xy, xz, yy, yz, zz))
+    return Link("object", inertial, tuple(placed(one.hull) for one in parts))
+
+
+def _link_of_urdf(data: Mapping[str, Any]) -> Link:
+    body = urdf_body(data)
+    shapes = tuple(placed(one.solid, one.position, one.rpy) for one in body.solids)
+    if not body.inertials:  # so it is fixed
+        ball = solids.inertia(solids.Sphere(1.0), FIXED_MASS)
+        return Link("object", Inertial(FIXED_MASS, geometry.ZERO, ball), shapes)
+    return Link("object", solids.lumped(tuple(body.inertials)), shapes)
+
+
+def _mass(data: Mapping[str, Any], volume: float) -> float:
+    if "density" in data:
+        return float(data["density"]) * volume
+    return float(data.get("mass", FIXED_MASS))
