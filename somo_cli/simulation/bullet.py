@@ -17,6 +17,7 @@ from typing import Any
 
 from somo_cli.problems import EngineMissing, EngineRefused
 from somo_cli.simulation.bullet_body import BulletBody
+from somo_cli.simulation.bullet_moved import MovedBody, MovedThing
 from somo_cli.simulation.bullet_thing import BulletThing
 from somo_cli.simulation.c_library import captured_output, decimal_points, duplicate, flush_c
 from somo_cli.simulation.plan import Plan
@@ -98,14 +99,16 @@ class BulletWorld:
             for number, body in enumerate(self._plan.bodies):
                 path = Path(folder) / f"{number}.urdf"
                 path.write_text(body.urdf, encoding="utf-8")
+                kind = BulletBody if body.path is None else MovedBody
                 self.bodies.append(
-                    BulletBody(self._bullet, self._client, body, self._plan.gravity, str(path))
+                    kind(self._bullet, self._client, body, self._plan.gravity, str(path))
                 )
 
             for number, thing in enumerate(self._plan.things):
                 path = Path(folder) / f"object_{number}.urdf"
                 path.write_text(thing.urdf, encoding="utf-8")
-                self.things.append(BulletThing(self._bullet, self._client, thing, str(path)))
+                of_thing = BulletThing if thing.path is None else MovedThing
+                self.things.append(of_thing(self._bullet, self._client, thing, str(path)))
         if self._plan.ground is not None:
             self._lay_ground(self._plan.ground)
 

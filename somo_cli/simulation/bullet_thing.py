@@ -21,7 +21,7 @@ class BulletThing:
         self._thing = planned.thing
         flags = bullet.URDF_USE_INERTIA_FROM_FILE | bullet.URDF_USE_IMPLICIT_CYLINDER
         self.index: int = bullet.loadURDF(
-            path, useFixedBase=self._thing.is_fixed, flags=flags, physicsClientId=client
+            path, useFixedBase=self._thing.is_held, flags=flags, physicsClientId=client
         )
         bullet.changeDynamics(
             self.index,
@@ -33,7 +33,7 @@ class BulletThing:
         )
         mass = bullet.getDynamicsInfo(self.index, -1, client)[0]
         wanted = self._thing.chain.links[0].inertial.mass
-        if not self._thing.is_fixed and abs(mass - wanted) > 1e-9 * wanted:
+        if not self._thing.is_held and abs(mass - wanted) > 1e-9 * wanted:
             raise EngineRefused(self._thing.name, f"its mass is {mass:g} in the engine")
         self.reset()
 

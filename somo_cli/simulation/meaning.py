@@ -19,6 +19,7 @@ from somo_cli.simulation import (
     actuation_meaning,
     ground_meaning,
     load_meaning,
+    motion_meaning,
     sorotraj_meaning,
     thing_meaning,
 )
@@ -139,6 +140,9 @@ def _manipulator_faults(
                 f"{key} is for a base that can move, this one is {base}",
                 "set base: free, or leave it out",
             )
+    if "motion" in data and is_sound((*at, "motion")) and isinstance(data["motion"], Mapping):
+        place = (*at, "motion")
+        yield from motion_meaning.faults_of_base(document, place, data["motion"], str(base))
     actuation = data.get("actuation")
     entries = actuation if isinstance(actuation, list) else []
     for number, entry in enumerate(entries):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias, cast
 
 import numpy as np
 
@@ -12,11 +13,14 @@ from somo_cli.manipulator.geometry import Vector
 from somo_cli.simulation import columns, watch
 from somo_cli.simulation.columns import State
 from somo_cli.simulation.free_base import FreeRunner
-from somo_cli.simulation.plan import Plan
+from somo_cli.simulation.moved_base import MovedRunner
+from somo_cli.simulation.moved_thing import ThingMover
+from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.runner import STEPS_BETWEEN_LOOKS, Runner
 from somo_cli.simulation.start import begin
-from somo_cli.simulation.world import World
+from somo_cli.simulation.world import World, WorldBody, WorldMovedBody, WorldMovedThing
 
+Driven: TypeAlias = Runner | ThingMover
 _NO_CONTACT = (0.0, 0.0, 0.0, 0.0)
 
 
@@ -43,10 +47,16 @@ def run(
     Raises SimulationDiverged; the rows before it have been written.
     """
     runners = [
-        (FreeRunner if body.base == "free" else Runner)(plan, body, world_body)
+        _runner(plan, body, world_body)
         for body, world_body in zip(plan.bodies, world.bodies, strict=True)
     ]
-    begin(plan, world, runners)
+    movers = [
+        ThingMover(plan, planned, planned.path, cast(WorldMovedThing, thing))
+        for planned, thing in zip(plan.things, world.things, strict=True)
+        if planned.path is not None
+    ]
+    driven: list[Driven] = [*runners, *movers]
+    begin(plan, world, runners, movers)
     units = columns.units_of(plan)
     energy_of_things = watch.ThingsEnergy(plan, world.things)
     needs_rates = not {"joint_rates", "energy"}.isdisjoint(plan.columns)
@@ -54,10 +64,11 @@ def run(
     step = rows = 0
     started = clock()
     while True:
-        _actuate(plan, runners, step)
+        _actuate(plan, driven, step)
         for runner in runners:
             runner.measure()
-        watch.check(step, plan, runners, energy_of_things.given())
+        given = energy_of_things.given() + sum(mover.given() for mover in movers)
+        watch.check(step, plan, runners, given)
         advance(step)
         is_recorded = step % plan.every == 0
         states = [_state(plan, runner, step) for runner in runners] if is_recorded else []
@@ -66,7 +77,7 @@ def run(
         if is_recorded and needs_next_rates:
             until = step + 1
         if step < steps or until == step + 1:
-            _step(plan, world, runners, step, until)
+            _step(plan, world, runners, driven, step, until)
         if is_recorded:
             if needs_next_rates:
                 _centre_rates(states, runners)
@@ -84,7 +95,20 @@ def _next_stop(plan: Plan, step: int, steps: int) -> int:
     return max(step, min(next_look, next_row, steps))
 
 
-def _step(plan: Plan, world: World, runners: Sequence[Runner], first: int, until: int) -> None:
+def _runner(plan: Plan, body: Body, world_body: WorldBody) -> Runner:
+    if body.path is not None:
+        return MovedRunner(plan, body, cast(WorldMovedBody, world_body), body.path)
+    return (FreeRunner if body.base == "free" else Runner)(plan, body, world_body)
+
+
+def _step(
+    plan: Plan,
+    world: World,
+    runners: Sequence[Runner],
+    driven: Sequence[Driven],
+    first: int,
+    until: int,
+) -> None:
     """Advance from step `first`, whose actuation is set, to step `until`."""
     advance = world.step
     pulls = [runner.pull for runner in runners]
@@ -95,10 +119,10 @@ def _step(plan: Plan, world: World, runners: Sequence[Runner], first: int, until
     for pull in pulls:
         pull()
     pushes = [runner.push for runner in runners]
-    is_steady = _is_steady(plan, runners, first, until)
+    is_steady = _is_steady(plan, driven, first, until)
     for step in range(first + 1, until):
         if not is_steady:
-            _actuate(plan, runners, step)
+            _actuate(plan, driven, step)
         for push in pushes:
             push()
         advance()
@@ -106,15 +130,15 @@ def _step(plan: Plan, world: World, runners: Sequence[Runner], first: int, until
             pull()
 
 
-def _actuate(plan: Plan, runners: Sequence[Runner], step: int) -> None:
-    for runner in runners:
-        runner.actuate(step * plan.time_step)
+def _actuate(plan: Plan, driven: Sequence[Driven], step: int) -> None:
+    for one in driven:
+        one.actuate(step * plan.time_step)
 
 
-def _is_steady(plan: Plan, runners: Sequence[Runner], first: int, until: int) -> bool:
+def _is_steady(plan: Plan, driven: Sequence[Driven], first: int, until: int) -> bool:
     """Whether no actuation changes after step `first` and before step `until`."""
     start, end = first * plan.time_step, (until - 1) * plan.time_step
-    return all(runner.steady_until(start) > end for runner in runners)
+    return all(one.steady_until(start) > end for one in driven)
 
 
 def _state(plan: Plan, runner: Runner, step: int) -> State:

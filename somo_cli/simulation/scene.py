@@ -17,6 +17,7 @@ from somo_cli.manipulator.geometry import Vector
 from somo_cli.problems import Pointer
 from somo_cli.simulation import actuation, surface
 from somo_cli.simulation.actuation import Actuation
+from somo_cli.simulation.motion import Motion, motion
 from somo_cli.simulation.signal import Interpolation
 from somo_cli.simulation.sorotraj import Trajectory, trajectory
 from somo_cli.simulation.surface import Ground, Surface
@@ -99,6 +100,7 @@ class Manipulator:
     actuation: tuple[Actuation, ...]
     loads: tuple[Load, ...]
     surface: Surface
+    motion: Motion | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -214,6 +216,7 @@ def _manipulator(
         ),
         loads=tuple(_load(item, compiled.chain) for item in data.get("loads", ())),
         surface=surface.surface(data.get("surface", {})),
+        motion=motion(data["motion"]) if "motion" in data else None,
     )
 
 

@@ -17,6 +17,7 @@ from somo_cli.manipulator.dimensions import (
 )
 from somo_cli.manipulator.read import solid_from
 from somo_cli.manipulator.solids import Inertial
+from somo_cli.simulation.motion import Motion, motion
 from somo_cli.simulation.surface import Surface
 
 Reading = Literal["pose", "contact_force"]
@@ -26,8 +27,19 @@ _MATERIAL = Material("object", (0.8, 0.6, 0.3, 1.0))
 
 
 @dataclass(frozen=True, slots=True)
+class Place:
+    """What an object stands on, ground or another object by its name, and how far above it."""
+
+    on: str
+    gap: Length
+
+
+@dataclass(frozen=True, slots=True)
 class Thing:
-    """An object: a chain of one link, centred on its frame, and how it starts, in the world."""
+    """An object: a chain of one link, centred on its frame, and how it starts, in the world.
+
+    With a place the height of its position is not yet known; see `placing`.
+    """
 
     name: str
     chain: Chain
@@ -37,6 +49,18 @@ class Thing:
     linear_velocity: tuple[Velocity, Velocity, Velocity]
     angular_velocity: tuple[AngularRate, AngularRate, AngularRate]
     surface: Surface
+    motion: Motion | None = None
+    place: Place | None = None
+
+    @property
+    def is_held(self) -> bool:
+        """Whether nothing that touches it moves it."""
+        return self.is_fixed or self.motion is not None
+
+
+def place(data: Mapping[str, Any]) -> Place:
+    """Return the place that a sound mapping describes."""
+    return Place(str(data["on"]), float(data.get("gap", 0)))
 
 
 def thing(data: Mapping[str, Any]) -> Thing:
@@ -56,4 +80,6 @@ def thing(data: Mapping[str, Any]) -> Thing:
         linear_velocity=geometry.vector(data.get("linear_velocity", (0, 0, 0))),
         angular_velocity=geometry.vector(data.get("angular_velocity", (0, 0, 0))),
         surface=Surface(float(data.get("friction", 0.5))),
+        motion=motion(data["motion"]) if "motion" in data else None,
+        place=place(data["place"]) if "place" in data else None,
     )

@@ -62,6 +62,7 @@ def test_what_is_assumed() -> None:
         "actuation": (),
         "loads": (),
         "surface": Surface(0.5),
+        "motion": None,
     }
 
 
