@@ -11,7 +11,7 @@ from somo_cli.document.edit import override
 from somo_cli.document.include import include
 from somo_cli.document.parse import Document, parse
 from somo_cli.manipulator import compile as compiler
-from somo_cli.problems import InvalidFile, Problem, has_errors
+from somo_cli.problems import EngineMissing, EngineRefused, InvalidFile, Problem, has_errors
 from somo_cli.simulation import meaning, scene, sorotraj_meaning
 from somo_cli.simulation.scene import Scene
 
@@ -89,6 +89,9 @@ def scene_of(
     if has_errors(problems):
         raise InvalidFile(problems, document.texts)
     found = scene.read(document)
+    overlaps = _overlaps(found, document)
+    if overlaps:
+        raise InvalidFile([*problems, *overlaps], document.texts)
     if every is not None:
         found = dataclasses.replace(found, every=every)
     if time_step == "auto":
@@ -96,6 +99,32 @@ def scene_of(
     elif time_step is not None:
         found = dataclasses.replace(found, time_step=time_step, is_step_chosen=False)
     return (_with_chosen_step(found, document) if found.is_step_chosen else found), problems
+
+
+def overlaps(document: Document) -> tuple[Problem, ...]:
+    """Return the errors of a scene without others, in which parts start inside each other.
+
+    What cannot be told is none: of a definition, or where there is no engine to ask.
+    """
+    return _overlaps(scene.read(document), document) if scene.is_scene(document) else ()
+
+
+def _overlaps(found: Scene, document: Document) -> tuple[Problem, ...]:
+    # the engine is the judge, since it decides what pushes what; most scenes need not ask it
+    from somo_cli.simulation.plan import make_plan
+
+    plan = make_plan(found)
+    if not plan.can_touch:
+        return ()
+    from somo_cli.simulation import overlap
+    from somo_cli.simulation.bullet import BulletWorld
+
+    try:
+        with BulletWorld(plan) as world:
+            depths = world.depths()
+    except (EngineMissing, EngineRefused):
+        return ()  # a run says so
+    return tuple(overlap.faults(document, plan, depths))
 
 
 def _with_chosen_step(found: Scene, document: Document) -> Scene:

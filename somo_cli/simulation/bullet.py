@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -16,11 +16,12 @@ from types import TracebackType
 from typing import Any
 
 from somo_cli.problems import EngineMissing, EngineRefused
+from somo_cli.simulation import bullet_contact
 from somo_cli.simulation.bullet_body import BulletBody
 from somo_cli.simulation.bullet_moved import MovedBody, MovedThing
 from somo_cli.simulation.bullet_thing import BulletThing
 from somo_cli.simulation.c_library import captured_output, decimal_points, duplicate, flush_c
-from somo_cli.simulation.plan import Plan
+from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.surface import Ground
 
 GROUND_REACH = 1000.0  # engine units, from the origin
@@ -38,6 +39,7 @@ class BulletWorld:
         self.bodies: list[BulletBody] = []
         self.things: list[BulletThing] = []
         self.step: Callable[[], object] = self._refuse
+        self._grounds: list[int] = []
 
     def __enter__(self) -> BulletWorld:
         """Load every body; until `close`, what the engine prints goes to standard error."""
@@ -77,6 +79,14 @@ class BulletWorld:
             os.close(self._stdout)
             self._stdout = None
 
+    def depths(self) -> dict[tuple[int, int], float]:
+        """Return how deep parts of the scene are in each other [engine units], where they are.
+
+        Parts are counted: bodies, things, ground. A world that was asked is not to be run.
+        """
+        order = [one.index for one in (*self.bodies, *self.things)]
+        return bullet_contact.depths(self._bullet, self._client, order + self._grounds)
+
     @staticmethod
     def _refuse() -> None:
         raise RuntimeError("the world is entered before it is stepped")
@@ -111,6 +121,15 @@ class BulletWorld:
                 self.things.append(of_thing(self._bullet, self._client, thing, str(path)))
         if self._plan.ground is not None:
             self._lay_ground(self._plan.ground)
+        led = [one.index for one, body in self._planned() if body.base == "constrained"]
+        if led:
+            held = [one.index for one, body in self._planned() if body.base == "static"]
+            pairs = zip(self.things, self._plan.things, strict=True)
+            held += [thing.index for thing, planned in pairs if planned.thing.is_held]
+            bullet_contact.spare_held(self._bullet, self._client, led, led + held + self._grounds)
+
+    def _planned(self) -> Iterator[tuple[BulletBody, Body]]:
+        return zip(self.bodies, self._plan.bodies, strict=True)
 
     def _lay_ground(self, ground: Ground) -> None:
         # seen in 3.2.7: on a plane (GEOM_PLANE) a sliding box stands on one or two points and
@@ -122,6 +141,7 @@ class BulletWorld:
         )
         below = [0, 0, ground.height - GROUND_DEPTH / 2]
         index = bullet.createMultiBody(0, slab, -1, below, physicsClientId=client)
+        self._grounds.append(index)
         bullet.changeDynamics(
             index, -1, lateralFriction=ground.surface.friction, physicsClientId=client
         )
