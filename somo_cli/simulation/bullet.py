@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -21,7 +21,7 @@ from somo_cli.simulation.bullet_body import BulletBody
 from somo_cli.simulation.bullet_moved import MovedBody, MovedThing
 from somo_cli.simulation.bullet_thing import BulletThing
 from somo_cli.simulation.c_library import captured_output, decimal_points, duplicate, flush_c
-from somo_cli.simulation.plan import Body, Plan
+from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.surface import Ground
 
 GROUND_REACH = 1000.0  # engine units, from the origin
@@ -84,7 +84,8 @@ class BulletWorld:
 
         Parts are counted: bodies, things, ground. A world that was asked is not to be run.
         """
-        order = [one.index for one in (*self.bodies, *self.things)]
+        order = [body.index for body in self.bodies]
+        order += [thing.index for thing in self.things]
         return bullet_contact.depths(self._bullet, self._client, order + self._grounds)
 
     @staticmethod
@@ -121,15 +122,17 @@ class BulletWorld:
                 self.things.append(of_thing(self._bullet, self._client, thing, str(path)))
         if self._plan.ground is not None:
             self._lay_ground(self._plan.ground)
-        led = [one.index for one, body in self._planned() if body.base == "constrained"]
-        if led:
-            held = [one.index for one, body in self._planned() if body.base == "static"]
-            pairs = zip(self.things, self._plan.things, strict=True)
-            held += [thing.index for thing, planned in pairs if planned.thing.is_held]
-            bullet_contact.spare_held(self._bullet, self._client, led, led + held + self._grounds)
+        self._spare_held()
 
-    def _planned(self) -> Iterator[tuple[BulletBody, Body]]:
-        return zip(self.bodies, self._plan.bodies, strict=True)
+    def _spare_held(self) -> None:
+        bases: dict[str, list[int]] = {"constrained": [], "static": [], "free": []}
+        for body, planned in zip(self.bodies, self._plan.bodies, strict=True):
+            bases[planned.base].append(body.index)
+        held = self._grounds + bases["constrained"] + bases["static"]
+        for thing, of_plan in zip(self.things, self._plan.things, strict=True):
+            if of_plan.thing.is_held:
+                held.append(thing.index)
+        bullet_contact.spare_held(self._bullet, self._client, bases["constrained"], held)
 
     def _lay_ground(self, ground: Ground) -> None:
         # seen in 3.2.7: on a plane (GEOM_PLANE) a sliding box stands on one or two points and

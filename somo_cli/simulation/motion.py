@@ -103,8 +103,9 @@ def through(
     points: Sequence[tuple[float, float, float, float]], interpolation: Course, repeat: bool
 ) -> Three:
     """Return a signal for each of three numbers through [time, three numbers]."""
+    repeats = repeat and len(points) > 1  # rest has no period
     x, y, z = (
-        signal.through([(point[0], point[axis]) for point in points], interpolation, repeat)
+        signal.through([(point[0], point[axis]) for point in points], interpolation, repeats)
         for axis in (1, 2, 3)
     )
     return x, y, z
