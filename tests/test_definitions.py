@@ -137,7 +137,9 @@ def test_every_scene_moves_and_stays_in_bounds(somo: Somo, scene: str, tmp_path:
     assert table["time_s"][-1] == pytest.approx(2.0)
     tip = columns(table, ".tip.x_m", ".tip.y_m", ".tip.z_m")
     name = scene.removesuffix("_scene")
-    length = chain_of("finger" if name in ("scene", "gait", "press", "push") else name).length
+    length = chain_of(
+        "finger" if name in ("scene", "gait", "press", "push", "lift") else name
+    ).length
     way = np.linalg.norm(tip - tip[0], axis=1).max()
     assert 0.1 * length < way < 1.5 * length
     assert np.abs(columns(table, ".angle_rad")).max() < 1.0

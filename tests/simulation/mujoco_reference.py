@@ -141,9 +141,7 @@ def trajectory_under_loads(
     return np.array(rows)
 
 
-def led_trajectory(
-    model: mujoco.MjModel, motion: Motion, times: Sequence[float]
-) -> np.ndarray:
+def led_trajectory(model: mujoco.MjModel, motion: Motion, times: Sequence[float]) -> np.ndarray:
     """Return joint angles at the times, shape (len(times), n), of a base at the origin that is led.
 
     The model is one of `model_of` with six joints before those of the chain, whose motion is given;
