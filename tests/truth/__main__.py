@@ -8,7 +8,16 @@ import dataclasses
 import itertools
 from pathlib import Path
 
-from tests.truth import against_mujoco, beams, calibrated, estimates, fitted, motion, touching
+from tests.truth import (
+    against_mujoco,
+    beams,
+    calibrated,
+    estimates,
+    fitted,
+    led,
+    motion,
+    touching,
+)
 from tests.truth.table import lines
 
 
@@ -18,7 +27,7 @@ def main() -> None:
     arguments.add_argument("-o", "--output", metavar="FILE", type=Path)
     options = arguments.parse_args()
     found = []
-    sections = (beams, calibrated, fitted, motion, estimates, touching)
+    sections = (beams, calibrated, fitted, motion, estimates, touching, led)
     for section in (one.rows for one in sections):
         for _, part in itertools.groupby(section(), key=lambda row: row.what):
             rows = list(part)
