@@ -12,7 +12,7 @@ from somo_cli.document.include import include
 from somo_cli.document.parse import Document, parse
 from somo_cli.manipulator import compile as compiler
 from somo_cli.problems import EngineMissing, EngineRefused, InvalidFile, Problem, has_errors
-from somo_cli.simulation import meaning, scene, sorotraj_meaning
+from somo_cli.simulation import meaning, nearness, scene, sorotraj_meaning
 from somo_cli.simulation.scene import Scene
 
 Auto: TypeAlias = Literal["auto"]
@@ -89,9 +89,6 @@ def scene_of(
     if has_errors(problems):
         raise InvalidFile(problems, document.texts)
     found = scene.read(document)
-    overlaps = _overlaps(found, document)
-    if overlaps:
-        raise InvalidFile([*problems, *overlaps], document.texts)
     if every is not None:
         found = dataclasses.replace(found, every=every)
     if time_step == "auto":
@@ -101,24 +98,30 @@ def scene_of(
     return (_with_chosen_step(found, document) if found.is_step_chosen else found), problems
 
 
-def overlaps(document: Document) -> tuple[Problem, ...]:
+def refuse_overlaps(document: Document, found: Scene) -> None:
+    """Raise InvalidFile for a scene of which parts start inside each other."""
+    faults = overlaps(document, found)
+    if faults:
+        raise InvalidFile(faults, document.texts)
+
+
+def overlaps(document: Document, found: Scene | None = None) -> tuple[Problem, ...]:
     """Return the errors of a scene without others, in which parts start inside each other.
 
-    What cannot be told is none: of a definition, or where there is no engine to ask.
+    `found` is what the document means, if that is known. What cannot be told is none: of a
+    definition, or where there is no engine to ask.
     """
-    return _overlaps(scene.read(document), document) if scene.is_scene(document) else ()
-
-
-def _overlaps(found: Scene, document: Document) -> tuple[Problem, ...]:
+    if not scene.is_scene(document):
+        return ()
+    found = found or scene.read(document)
+    if not nearness.is_crowded(found):
+        return ()
     # the engine is the judge, since it decides what pushes what; most scenes need not ask it
+    from somo_cli.simulation import overlap
+    from somo_cli.simulation.bullet import BulletWorld
     from somo_cli.simulation.plan import make_plan
 
     plan = make_plan(found)
-    if not plan.can_touch:
-        return ()
-    from somo_cli.simulation import overlap
-    from somo_cli.simulation.bullet import BulletWorld
-
     try:
         with BulletWorld(plan) as world:
             depths = world.depths()

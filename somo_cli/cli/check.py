@@ -110,7 +110,8 @@ def _check_numerics(path: str, trajectory: str | None, is_strict: bool, as_json:
 
     plan = make_plan(scene)
     known = judge(plan, loading.as_scene(document), _met(trajectory, plan))
-    found = in_reading_order([*problems, *known.findings], document.texts)
+    overlaps = loading.overlaps(document, scene)
+    found = in_reading_order([*problems, *overlaps, *known.findings], document.texts)
     _say_findings(found, document.texts, outlook_account.plain(known), as_json)
     if not as_json:
         for line in outlook_account.table(known):

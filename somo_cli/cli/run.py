@@ -77,6 +77,7 @@ def run(
     document = loading.load(scene, sets or [])
     planned, warnings = loading.scene_of(document, every, step)
     terminal.say_problems(warnings, document.texts)
+    loading.refuse_overlaps(document, planned)
     target = output or f"{Path(scene).stem}.csv"
     refuse_overwriting(document, target)
     _simulate(planned, document, steps, target, sets or [], with_error, quiet)

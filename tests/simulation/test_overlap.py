@@ -32,7 +32,7 @@ def told(*objects: Data, others: tuple[Data, ...] = (), **of_scene: Any) -> list
     found = loading.overlaps(document)
     if found:
         with pytest.raises(InvalidFile) as caught:
-            loading.scene_of(document)
+            loading.refuse_overlaps(document, loading.scene_of(document)[0])
         assert caught.value.problems == found
     return [problem.message for problem in found]
 
