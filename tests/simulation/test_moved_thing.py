@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from somo_cli.manipulator.geometry import rotate, rotation_from_quaternion, rotation_from_rpy
 from somo_cli.simulation import columns
 from somo_cli.simulation.plan import make_plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
@@ -116,3 +117,23 @@ def test_two_fingers_lift_a_cube_alike_at_every_step(step: float) -> None:
     # each finger bears half of it by friction; above what pressing alone would need
     assert table["left.contact.normal_n"][-1] == pytest.approx(0.2096, rel=5e-3)
     assert table["left.contact.normal_n"][-1] > 0.5 * 0.01 * G
+
+
+@pytest.mark.slow
+def test_what_a_hand_holds_turns_with_the_hand() -> None:
+    turn = "rotation=[[1.3, 0, 0, 0], [2.0, 0, 0, 1.2]]"
+    sets = []
+    for number in (0, 1):
+        sets += [f"manipulators[{number}].motion.{turn}"]
+        sets += [f"manipulators[{number}].motion.about=[0.05, 0, 0]"]
+    plan = make_plan(scene_from_file("lift_scene.yaml", *sets))
+    names = columns.header(plan)
+    table = dict(zip(names, np.array(rows_of(plan, 2600)).T, strict=True))
+    pose = [table[f"cube.pose.{part}"][-1] for part in PARTS]
+    start = [table[f"cube.pose.{part}"][table["time_s"] >= 1.3][0] for part in PARTS]
+    hand = rotation_from_rpy((0.0, 0.0, 1.2))
+    expected = np.add(rotate(hand, (start[0] - 0.05, start[1], 0)), (0.05, 0, start[2]))
+    # the fingers, hardly damped, swing by a few millimetres once they are there
+    assert np.abs(np.subtract(pose[:3], expected)).max() < 4e-3
+    turned = rotation_from_quaternion((pose[3], pose[4], pose[5], pose[6]))
+    assert np.abs(np.array(turned) - np.array(hand)).max() < 0.1
