@@ -13,8 +13,15 @@ from somo_cli.document.include import include
 from somo_cli.document.parse import Document, parse
 from somo_cli.manipulator import compile as compiler
 from somo_cli.manipulator.assembly import is_assembly
-from somo_cli.problems import InvalidFile, Pointer, Problem, has_errors
-from somo_cli.simulation import meaning, scene, sorotraj_meaning, thing_files
+from somo_cli.problems import (
+    EngineMissing,
+    EngineRefused,
+    InvalidFile,
+    Pointer,
+    Problem,
+    has_errors,
+)
+from somo_cli.simulation import meaning, nearness, scene, sorotraj_meaning, thing_files
 from somo_cli.simulation.scene import Scene
 
 Auto: TypeAlias = Literal["auto"]
@@ -113,6 +120,38 @@ def scene_of(
     elif time_step is not None:
         found = dataclasses.replace(found, time_step=time_step, is_step_chosen=False)
     return (_with_chosen_step(found, document) if found.is_step_chosen else found), problems
+
+
+def refuse_overlaps(document: Document, found: Scene) -> None:
+    """Raise InvalidFile for a scene of which parts start inside each other."""
+    faults = overlaps(document, found)
+    if faults:
+        raise InvalidFile(faults, document.texts)
+
+
+def overlaps(document: Document, found: Scene | None = None) -> tuple[Problem, ...]:
+    """Return the errors of a scene without others, in which parts start inside each other.
+
+    `found` is what the document means, if that is known. What cannot be told is none: of a
+    definition, or where there is no engine to ask.
+    """
+    if not scene.is_scene(document):
+        return ()
+    found = found or scene.read(document)
+    if not nearness.is_crowded(found):
+        return ()
+    # the engine is the judge, since it decides what pushes what; most scenes need not ask it
+    from somo_cli.simulation import overlap
+    from somo_cli.simulation.bullet import BulletWorld
+    from somo_cli.simulation.plan import make_plan
+
+    plan = make_plan(found)
+    try:
+        with BulletWorld(plan) as world:
+            depths = world.depths()
+    except (EngineMissing, EngineRefused):
+        return ()  # a run says so
+    return tuple(overlap.faults(document, plan, depths))
 
 
 def _with_chosen_step(found: Scene, document: Document) -> Scene:

@@ -167,3 +167,20 @@ def test_the_error_that_a_run_tells_is_within_a_factor_of_two(step: float) -> No
     assert len(rows) == 5
     for row in rows:
         assert 0.5 < row.ours / row.reference < 2, row
+
+
+@pytest.mark.slow
+def test_what_is_moved_is_where_it_should_be() -> None:
+    pytest.importorskip("pybullet")
+    pytest.importorskip("mujoco")
+    from tests.truth import led
+
+    for part in led.bases():
+        if "pose" in part[0].what:
+            assert max(row.error for row in part) < 1e-12
+        else:
+            assert part[-1].error < 1e-4
+            assert part[-1].order > 1.9
+    straight, turned = led.objects()
+    assert max(row.error for row in straight) < 1e-9
+    assert turned[-1].order == pytest.approx(1, abs=0.05)

@@ -12,6 +12,7 @@ from somo_cli.analysis.modes import Complex, Modes
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.simulation.dynamics import ChainPose
 from somo_cli.simulation.loads import generalised
+from somo_cli.simulation.motion import Path
 from somo_cli.simulation.plan import Body
 from somo_cli.simulation.signal import Input
 from somo_cli.simulation.springs import Array
@@ -114,6 +115,50 @@ def _driven(body: Body, pose: ChainPose) -> Iterator[tuple[Array, Input]]:
         yield force, drive.signal
     for load in body.loads:
         yield generalised(load, pose), load.signal
+    if body.path is not None:
+        yield from _led(body.path, pose)
+
+
+def _led(path: Path, pose: ChainPose) -> Iterator[tuple[Array, Input]]:
+    """Yield what the joints feel of each part of the motion of their base, where it starts."""
+    mass = pose.mass_matrix()
+    arm = pose.centres[0] - np.array(path.about)
+    for axis in range(3):
+        unit = np.eye(3)[axis]
+        straight = np.concatenate([np.zeros(3), unit])
+        turning = np.concatenate([unit, np.cross(unit, arm)])
+        for acceleration, signal in (
+            (straight, path.translation[axis]),
+            (turning, path.rotation[axis]),
+        ):
+            yield -mass[:, :6] @ acceleration, Acceleration(signal)
+
+
+@dataclass(frozen=True, slots=True)
+class Acceleration:
+    """The second derivative of an input over time, taken over a few milliseconds.
+
+    So a jump of the velocity, as between way-points with straight lines between them, is seen. The
+    start is none: a motion starts with the velocity that it has.
+    """
+
+    way: Input
+    width: float = 5e-3  # s
+
+    def at(self, time: float) -> float:
+        """Return the value at a time [s]."""
+        width, time = self.width, max(time, self.width)
+        before, now, after = (self.way.at(time + shift) for shift in (-width, 0.0, width))
+        return (before - 2 * now + after) / width**2
+
+    def steady_until(self, time: float) -> float:
+        """Return the time [s] up to which the value stays what it is at `time`."""
+        return max(time, self.way.steady_until(time) - self.width)
+
+    @property
+    def held_from(self) -> float:
+        """The time [s] from which on the value is held; 0 if it goes on for ever."""
+        return self.way.held_from + self.width
 
 
 def _across(pose: ChainPose) -> Array:

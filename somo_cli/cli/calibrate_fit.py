@@ -75,6 +75,7 @@ def fit(
     document = loading.load(scene, allow_outside=allow_outside)
     planned, warnings = loading.scene_of(document)
     terminal.say_problems(warnings, document.texts)
+    loading.refuse_overlaps(document, planned)
     document = loading.as_scene(document)
     loading.refuse_several(document, planned, "a fit is")
     require_targets(document, write, patch)

@@ -1,4 +1,4 @@
-"""somo check: what is wrong with files, without an engine."""
+"""somo check: what is wrong with files; an engine is asked if there is one, and not needed."""
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
@@ -53,7 +53,9 @@ def check(
         bool, typer.Option("--json", help="Print the findings as JSON on standard output.")
     ] = False,
 ) -> None:
-    """Say everything that build and run would complain about, without an engine.
+    """Say everything that build and run would complain about.
+
+    No engine is needed; where there is one, it is asked what overlaps at the start.
 
     With --numerics standard output has a table of the scene's modes and steps; findings have a
     code, such as explicit-step-too-long, and an error among them is a step that will not hold.
@@ -83,7 +85,8 @@ def _check_files(paths: Sequence[str], allow_outside: bool, is_strict: bool, as_
             is_unreadable = True
             terminal.say(f"somo: {error.filename or path}: {error.strerror or error}")
         else:
-            found.extend(loading.judged(document))
+            faults = loading.judged(document)
+            found.extend(faults if has_errors(faults) else (*faults, *loading.overlaps(document)))
             texts.update(document.texts)
     found = list(in_reading_order(found, texts))
     if as_json:
@@ -111,7 +114,8 @@ def _check_numerics(
 
     plan = make_plan(scene)
     known = judge(plan, loading.as_scene(document), _met(trajectory, plan))
-    found = in_reading_order([*problems, *known.findings], document.texts)
+    overlaps = loading.overlaps(document, scene)
+    found = in_reading_order([*problems, *overlaps, *known.findings], document.texts)
     _say_findings(found, document.texts, outlook_account.plain(known), as_json)
     if not as_json:
         for line in outlook_account.table(known):

@@ -94,6 +94,7 @@ def report(
     document = loading.load(scene, sets or [], allow_outside)
     planned, warnings = loading.scene_of(document)
     terminal.say_problems(warnings, document.texts)
+    loading.refuse_overlaps(document, planned)
     steps = _steps(time_steps, planned.time_step)
     question = Question(
         steps,

@@ -99,6 +99,7 @@ def run(
     terminal.say_problems(warnings, document.texts)
     if record:
         planned = picking(planned, record)
+    loading.refuse_overlaps(document, planned)
     target = output or f"{Path(scene).stem}.csv"
     refuse_overwriting(document, target)
     targets = target, target_of_events(planned, target, events)

@@ -17,9 +17,10 @@ from typing import Any
 
 from somo_cli.manipulator.geometry import Matrix
 from somo_cli.problems import EngineMissing, EngineRefused
-from somo_cli.simulation import bullet_surface
+from somo_cli.simulation import bullet_contact, bullet_surface
 from somo_cli.simulation.bullet_body import BulletBody
 from somo_cli.simulation.bullet_grip import BulletGrip, Skin
+from somo_cli.simulation.bullet_moved import MovedBody, MovedThing
 from somo_cli.simulation.bullet_thing import BulletThing
 from somo_cli.simulation.c_library import captured_output, decimal_points, duplicate, flush_c
 from somo_cli.simulation.plan import Plan
@@ -42,6 +43,7 @@ class BulletWorld:
         self.things: list[BulletThing] = []
         self.step: Callable[[], object] = self._refuse
         self._places: dict[tuple[int, int], Place] = {}  # of the engine's bodies and links
+        self._grounds: list[int] = []
 
     def __enter__(self) -> BulletWorld:
         """Load every body; until `close`, what the engine prints goes to standard error."""
@@ -99,6 +101,15 @@ class BulletWorld:
             for one in told
         ]
 
+    def depths(self) -> dict[tuple[int, int], float]:
+        """Return how deep parts of the scene are in each other [engine units], where they are.
+
+        Parts are counted: bodies, things, ground. A world that was asked is not to be run.
+        """
+        order = [body.index for body in self.bodies]
+        order += [thing.index for thing in self.things]
+        return bullet_contact.depths(self._bullet, self._client, order + self._grounds)
+
     @staticmethod
     def _refuse() -> None:
         raise RuntimeError("the world is entered before it is stepped")
@@ -124,27 +135,42 @@ class BulletWorld:
             for number, body in enumerate(self._plan.bodies):
                 path = Path(folder) / f"{number}.urdf"
                 path.write_text(body.urdf, encoding="utf-8")
+                kind = BulletBody if body.path is None else MovedBody
                 self.bodies.append(
-                    BulletBody(self._bullet, self._client, body, self._plan.gravity, str(path))
+                    kind(self._bullet, self._client, body, self._plan.gravity, str(path))
                 )
 
             for number, thing in enumerate(self._plan.things):
                 path = Path(folder) / f"object_{number}.urdf"
                 if thing.urdf:
                     path.write_text(thing.urdf, encoding="utf-8")
-                self.things.append(BulletThing(self._bullet, self._client, thing, str(path)))
-        for number, loaded in enumerate(self.bodies):
-            for place, link in enumerate(loaded.links):
-                self._places[loaded.index, link] = (number, place)
-        for number, loaded_thing in enumerate(self.things, start=len(self.bodies)):
-            joints = self._bullet.getNumJoints(loaded_thing.index, self._client)
-            for link in range(-1, joints):
-                self._places[loaded_thing.index, link] = (number, 0)
+                of_thing = BulletThing if thing.path is None else MovedThing
+                self.things.append(of_thing(self._bullet, self._client, thing, str(path)))
         ground = None if self._plan.ground is None else self._lay_ground(self._plan.ground)
-        if ground is not None:
-            self._places[ground, -1] = (len(self.bodies) + len(self.things), 0)
+        self._grounds = [] if ground is None else [ground]
+        self._spare_held()
+        self._number_places()
         if any(surface.anisotropy is not None for surface in self._plan.surfaces):
             self.step = self._gripping(self.step, ground)
+
+    def _number_places(self) -> None:
+        for number, body in enumerate(self.bodies):
+            for place, link in enumerate(body.links):
+                self._places[body.index, link] = (number, place)
+        others = [thing.index for thing in self.things] + self._grounds
+        for number, index in enumerate(others, start=len(self.bodies)):
+            for link in range(-1, self._bullet.getNumJoints(index, self._client)):
+                self._places[index, link] = (number, 0)
+
+    def _spare_held(self) -> None:
+        bases: dict[str, list[int]] = {"constrained": [], "static": [], "free": []}
+        for body, planned in zip(self.bodies, self._plan.bodies, strict=True):
+            bases[planned.base].append(body.index)
+        held = self._grounds + bases["constrained"] + bases["static"]
+        for thing, of_plan in zip(self.things, self._plan.things, strict=True):
+            if of_plan.thing.is_held:
+                held.append(thing.index)
+        bullet_contact.spare_held(self._bullet, self._client, bases["constrained"], held)
 
     def _gripping(self, step: Callable[[], object], ground: int | None) -> Callable[[], object]:
         """Return a step before which friction that depends on the direction is applied."""

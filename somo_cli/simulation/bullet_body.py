@@ -47,6 +47,7 @@ class BulletBody:
         self._zeros = [0.0] * len(self._joints)
         self._is_free = body.base == "free"
         self._base_to_joints: Array = np.zeros((len(self._joints), 6))
+        self._across: Array = self._base_to_joints.T
         # bound once, without a Python frame of ours between loop and engine: one tuple per joint,
         # base to tip, that starts with angle and rate
         self.joint_states: Callable[[], Any] = partial(
@@ -103,6 +104,7 @@ class BulletBody:
         if len(matrix) == n:
             return matrix
         base, across, joints = matrix[:6, :6], matrix[:6, 6:], matrix[6:, 6:]
+        self._across = across
         if not self._is_free:
             return joints
         self._base_to_joints = np.linalg.solve(base, across).T
@@ -115,9 +117,9 @@ class BulletBody:
         """Return the forces that gravity and Coriolis terms ask for.
 
         Shape (n,), the joint torques, with the base at rest; for a free base (6 + n,), with the
-        torque and the force on its centre of mass first, in its own axes, `spin` [rad/s] being
-        its angular velocity in the world. The gravity is that of the start pose of the base,
-        which makes no difference to what the joints of a free body feel.
+        torque and the force on its centre of mass first, in its own axes. `spin` [rad/s] is the
+        angular velocity in the world of a base that can move. The gravity is that of the start pose
+        of the base, which makes no difference to what the joints of a free body feel.
         """
         if not self._is_tilted:
             return self._bias(angles, rates, spin)
@@ -138,7 +140,7 @@ class BulletBody:
             )
         # seen in 3.2.7: base rates go in as (angular, linear) in the base's own axes, base forces
         # come out as (linear, angular); linear rates change nothing here
-        in_world = geometry.vector(spin) if self._is_free else geometry.ZERO
+        in_world = geometry.vector(spin) if len(spin) else geometry.ZERO
         x, y, z = geometry.rotate(geometry.transposed(self._base_axes()), in_world)
         forces = np.array(
             inverse(

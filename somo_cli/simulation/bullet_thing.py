@@ -23,12 +23,12 @@ class BulletThing:
         self._thing = planned.thing
         self._principal = planned.compound.frame if planned.compound else None
         if planned.compound:
-            stem, is_fixed = path.removesuffix(".urdf"), self._thing.is_fixed
-            self.index = bullet_compound.load(bullet, client, planned.compound, stem, is_fixed)
+            stem, is_held = path.removesuffix(".urdf"), self._thing.is_held
+            self.index = bullet_compound.load(bullet, client, planned.compound, stem, is_held)
         else:
             flags = bullet.URDF_USE_INERTIA_FROM_FILE | bullet.URDF_USE_IMPLICIT_CYLINDER
             self.index = bullet.loadURDF(
-                path, useFixedBase=self._thing.is_fixed, flags=flags, physicsClientId=client
+                path, useFixedBase=self._thing.is_held, flags=flags, physicsClientId=client
             )
         bullet.changeDynamics(
             self.index,
@@ -42,7 +42,7 @@ class BulletThing:
         )
         mass = bullet.getDynamicsInfo(self.index, -1, client)[0]
         wanted = self._thing.chain.links[0].inertial.mass
-        if not self._thing.is_fixed and abs(mass - wanted) > 1e-9 * wanted:
+        if not self._thing.is_held and abs(mass - wanted) > 1e-9 * wanted:
             raise EngineRefused(self._thing.name, f"its mass is {mass:g} in the engine")
         self.reset()
 

@@ -101,7 +101,9 @@ class _Rest:
         self._stop = stop
         self._runners = runners
         self._velocities: list[Callable[[], tuple[Vector, Vector]]] = [
-            runner.world_body.base_velocity for runner in runners if runner.body.base == "free"
+            runner.world_body.base_velocity
+            for runner in runners
+            if runner.body.base == "free" or runner.body.path is not None
         ]
         self._velocities += [
             thing.velocity

@@ -76,3 +76,17 @@ def lowest(shape: Shape, link: Pose) -> float:
     else:
         reach = solid.radius
     return link.point(shape.position)[2] - reach
+
+
+def highest(shape: Shape, link: Pose) -> float:
+    """Return the greatest height of a shape of a link at a pose [m].
+
+    Turned upside down about the world's x axis, which keeps a rotation one, it is the lowest.
+    """
+    (x, y, z), (first, second, third) = link.position, link.rotation
+    turned = (first, _opposite(second), _opposite(third))
+    return -lowest(shape, Pose((x, -y, -z), turned))
+
+
+def _opposite(a: geometry.Vector) -> geometry.Vector:
+    return (-a[0], -a[1], -a[2])

@@ -18,6 +18,7 @@ from somo_cli.simulation import (
     actuation_meaning,
     ground_meaning,
     load_meaning,
+    motion_meaning,
     record_meaning,
     sorotraj_meaning,
     stop_meaning,
@@ -147,6 +148,9 @@ def _manipulator_faults(
                 f"{key} is for a base that can move, this one is {base}",
                 "set base: free, or leave it out",
             )
+    if "motion" in data and is_sound((*at, "motion")) and isinstance(data["motion"], Mapping):
+        place = (*at, "motion")
+        yield from motion_meaning.faults_of_base(document, place, data["motion"], str(base))
     actuation = data.get("actuation")
     entries = actuation if isinstance(actuation, list) else []
     for number, entry in enumerate(entries):

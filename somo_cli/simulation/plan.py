@@ -21,6 +21,8 @@ from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation import compound, signal
 from somo_cli.simulation.actuation import Actuation
 from somo_cli.simulation.compound import Compound
+from somo_cli.simulation.motion import Motion, Path
+from somo_cli.simulation.placing import placed
 from somo_cli.simulation.scene import (
     Base,
     Frame,
@@ -97,15 +99,21 @@ class Body:
     loads: tuple[Load, ...]
     surfaces: Surfaces
     collides_with_itself: bool
+    path: Path | None = None
+    """Where the base is at every time, if it is moved."""
 
 
 @dataclass(frozen=True, slots=True)
 class PlannedThing:
-    """One object, ready to load: in engine units, and the URDF of it, or a compound instead."""
+    """One object, ready to load: in engine units, the URDF of it, or a compound instead.
+
+    With its path if it is moved.
+    """
 
     thing: Thing
     urdf: str
     compound: Compound | None = None
+    path: Path | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,7 +162,7 @@ def make_plan(scene: Scene) -> Plan:
         every=scene.every,
         columns=scene.columns,
         ground=None if scene.ground is None else scaled(scene.ground, scene.scale),
-        things=tuple(_thing(one, scene.scale) for one in scene.things),
+        things=tuple(_thing(one, scene.scale) for one in placed(scene.things, scene.ground)),
         of_things=scene.of_things if scene.things else (),
         only=scene.only,
         stops=tuple(scaled(one, scene.scale) for one in scene.stops),
@@ -173,25 +181,34 @@ def _body(manipulator: Manipulator, scale: Scale, can_touch: bool) -> Body:
         manipulator.initial_angles,
         manipulator.initial_rates,
     )
+    start = scaled(start, scale)
     return Body(
         name=manipulator.name,
         base=manipulator.base,
         chain=chain,
         urdf=urdf.render_for_engine(chain, with_collisions=can_touch),
-        start=scaled(start, scale),
+        start=start,
         drives=tuple(_drive(entry, chain, scale) for entry in manipulator.actuation),
         loads=tuple(_load(scaled(entry, scale)) for entry in manipulator.loads),
         surfaces=scaled(manipulator.surfaces, scale),
         collides_with_itself=manipulator.collides_with_itself,
+        path=_path(manipulator.motion, start.pose, scale),
     )
+
+
+def _path(motion: Motion | None, start: Pose, scale: Scale) -> Path | None:
+    return None if motion is None else scaled(motion, scale).path_from(start)
 
 
 def _thing(one: Thing, scale: Scale) -> PlannedThing:
     thing = scaled(one, scale)
+    start = Pose(thing.position, geometry.rotation_from_rpy(thing.rpy))
+    path = _path(one.motion, start, scale)
     (link,) = thing.chain.links
     if not compound.is_plain(link):
-        return PlannedThing(thing, "", compound.compound(link))
-    return PlannedThing(thing, urdf.render_for_engine(thing.chain, with_collisions=True))
+        return PlannedThing(thing, "", compound.compound(link), path)
+    text = urdf.render_for_engine(thing.chain, with_collisions=True)
+    return PlannedThing(thing, text, path=path)
 
 
 def _drive(actuation: Actuation, chain: Chain, scale: Scale) -> Drive:

@@ -4,18 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias, cast
 
 import numpy as np
 
-from somo_cli.simulation import watch
+from somo_cli.simulation import touching, watch
 from somo_cli.simulation.endings import Ending, Stopped
 from somo_cli.simulation.events import ContactWatch, Event
 from somo_cli.simulation.free_base import FreeRunner
+from somo_cli.simulation.moved_base import MovedRunner
+from somo_cli.simulation.moved_thing import ThingMover
 from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.rows import Rows
 from somo_cli.simulation.runner import STEPS_BETWEEN_LOOKS, Runner
 from somo_cli.simulation.start import begin
-from somo_cli.simulation.world import World
+from somo_cli.simulation.world import World, WorldMovedBody, WorldMovedThing
+
+Driven: TypeAlias = Runner | ThingMover
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,11 +52,16 @@ def run(
     ends earlier if a condition of the plan says so. Raises SimulationDiverged; the rows before it
     have been written.
     """
-    runners = [
-        (FreeRunner if body.base == "free" else Runner)(plan, body, world_body)
-        for body, world_body in zip(plan.bodies, world.bodies, strict=True)
+    runners = [_runner(plan, world, number) for number, _ in enumerate(plan.bodies)]
+    movers = [
+        ThingMover(plan, planned, planned.path, cast(WorldMovedThing, thing), _met(world, number))
+        for number, (planned, thing) in enumerate(
+            zip(plan.things, world.things, strict=True), start=len(plan.bodies)
+        )
+        if planned.path is not None
     ]
-    begin(plan, world, runners)
+    driven: list[Driven] = [*runners, *movers]
+    begin(plan, world, runners, movers)
     recorded = Rows(plan, world, runners)
     ending = Ending(plan, world, runners, steps)
     contacts = None if tell is None else ContactWatch(plan.time_step, tell)
@@ -61,10 +71,11 @@ def run(
     step = rows = 0
     started = clock()
     while True:
-        _actuate(plan, runners, step)
+        _actuate(plan, driven, step)
         for runner in runners:
             runner.measure()
-        watch.check(step, plan, runners, energy_of_things.given())
+        given = energy_of_things.given() + sum(mover.given() for mover in movers)
+        watch.check(step, plan, runners, given)
         advance(step)
         if step % STEPS_BETWEEN_LOOKS == 0:
             recorded.look()
@@ -78,9 +89,9 @@ def run(
         if is_recorded and recorded.needs_next_step:
             until = step + 1
         if step < last:
-            _step(plan, world, runners, step, until, contacts)
+            _step(plan, world, runners, driven, step, until, contacts)
         elif until == step + 1:
-            _step(plan, world, runners, step, until)  # beyond the end, for velocities alone
+            _step(plan, world, runners, driven, step, until)  # beyond the end, for velocities alone
         if is_recorded:
             write(recorded.row())
             rows += 1
@@ -96,10 +107,24 @@ def _next_stop(plan: Plan, step: int, steps: int) -> int:
     return max(step, min(next_look, next_row, steps))
 
 
+def _runner(plan: Plan, world: World, number: int) -> Runner:
+    body, world_body = plan.bodies[number], world.bodies[number]
+    if body.path is not None:
+        moved = cast(WorldMovedBody, world_body)
+        return MovedRunner(plan, body, moved, body.path, _met(world, number))
+    return (FreeRunner if body.base == "free" else Runner)(plan, body, world_body)
+
+
+def _met(world: World, number: int) -> Callable[[], Sequence[float]]:
+    """Return what tells the force on a body or object, and the sum of the normal forces."""
+    return lambda: touching.total(touching.on(world.touches(), number))
+
+
 def _step(
     plan: Plan,
     world: World,
     runners: Sequence[Runner],
+    driven: Sequence[Driven],
     first: int,
     until: int,
     contacts: ContactWatch | None = None,
@@ -118,10 +143,10 @@ def _step(
     if until == first + 1:
         return
     pushes = [runner.push for runner in runners]
-    is_steady = _is_steady(plan, runners, first, until)
+    is_steady = _is_steady(plan, driven, first, until)
     for step in range(first + 1, until):
         if not is_steady:
-            _actuate(plan, runners, step)
+            _actuate(plan, driven, step)
         for push in pushes:
             push()
         advance()
@@ -131,12 +156,12 @@ def _step(
             contacts.look(step + 1, world.touches())
 
 
-def _actuate(plan: Plan, runners: Sequence[Runner], step: int) -> None:
-    for runner in runners:
-        runner.actuate(step * plan.time_step)
+def _actuate(plan: Plan, driven: Sequence[Driven], step: int) -> None:
+    for one in driven:
+        one.actuate(step * plan.time_step)
 
 
-def _is_steady(plan: Plan, runners: Sequence[Runner], first: int, until: int) -> bool:
+def _is_steady(plan: Plan, driven: Sequence[Driven], first: int, until: int) -> bool:
     """Whether no actuation changes after step `first` and before step `until`."""
     start, end = first * plan.time_step, (until - 1) * plan.time_step
-    return all(runner.steady_until(start) > end for runner in runners)
+    return all(one.steady_until(start) > end for one in driven)

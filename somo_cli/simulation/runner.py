@@ -181,12 +181,16 @@ class Runner:
 
     def measure(self) -> None:
         """Take the speed and the energy of the present state, for the watch."""
-        law, energy = self.law, self.energy
-        rates = law.rates.tolist()
+        rates = self.law.rates.tolist()
         # a rate that is not a number must win, which max() alone would not let it
         self.fastest = max(max(rates), -min(rates)) if math.isfinite(sum(rates)) else math.nan
         if math.isnan(self.fastest):
             return  # the watch stops the run; there is no energy to tell
+        self._account()
+
+    def _account(self) -> None:
+        """Take the energy of the present state, and what was put in."""
+        law, energy = self.law, self.energy
         if self.loads is not None:
             energy.give(self.loads.work(law.angles))
         energy.update(law.angles, law.rates, self.actuation, self.mass)

@@ -18,6 +18,7 @@ from somo_cli.manipulator.geometry import Vector
 from somo_cli.problems import Pointer
 from somo_cli.simulation import actuation, stopping, surface
 from somo_cli.simulation.actuation import Actuation
+from somo_cli.simulation.motion import Motion, motion
 from somo_cli.simulation.signal import Interpolation
 from somo_cli.simulation.sorotraj import Trajectory, trajectory
 from somo_cli.simulation.stopping import Stop
@@ -106,6 +107,7 @@ class Manipulator:
     loads: tuple[Load, ...]
     surfaces: Surfaces
     collides_with_itself: bool = False
+    motion: Motion | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -234,6 +236,7 @@ def _manipulator(
         loads=tuple(_load(item, compiled.chain) for item in data.get("loads", ())),
         surfaces=surface.surfaces(data.get("surface", {})),
         collides_with_itself=bool(data.get("self_collision", False)),
+        motion=motion(data["motion"]) if "motion" in data else None,
     )
 
 

@@ -55,7 +55,7 @@ def faults(document: Document, at: Pointer, data: Mapping[str, Any]) -> Iterator
 
 def is_free(data: Mapping[str, Any]) -> bool:
     """Whether forces move the object, so that its mass counts."""
-    return not data.get("fixed", False)
+    return not data.get("fixed", False) and "motion" not in data
 
 
 def _keys_of_other_shapes(

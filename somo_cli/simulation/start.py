@@ -8,6 +8,7 @@ import numpy as np
 
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.problems import EngineRefused
+from somo_cli.simulation.moved_thing import ThingMover
 from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.runner import Runner
 from somo_cli.simulation.springs import Array
@@ -15,7 +16,9 @@ from somo_cli.simulation.vibration import FROZEN, inertia_felt
 from somo_cli.simulation.world import World
 
 
-def begin(plan: Plan, world: World, runners: Sequence[Runner]) -> None:
+def begin(
+    plan: Plan, world: World, runners: Sequence[Runner], movers: Sequence[ThingMover] = ()
+) -> None:
     """Bring every body to its start, with the velocities its integrator wants there.
 
     The forces that are not ours at the start are measured by a step without torques, which is
@@ -28,6 +31,8 @@ def begin(plan: Plan, world: World, runners: Sequence[Runner]) -> None:
         _refuse_frozen(runner.body, runner.mass)
         runner.mass_at_start = runner.mass
         runner.actuate(0.0)
+    for mover in movers:
+        mover.actuate(0.0)
     if plan.integrator == "explicit":
         return
     for runner in runners:

@@ -93,7 +93,7 @@ def _thing_faults(
     if thing.get("fixed", False):
         yield Problem(place, f"'{name}' is fixed, so it never leaves", "name one that can move")
         return
-    if "position" not in thing or is_empty:
+    if "position" not in thing or "place" in thing or is_empty:
         return
     for axis, value in zip(AXES, thing["position"], strict=True):
         low, high = data["leaves"].get(axis, (value, value))

@@ -10,11 +10,12 @@ from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.manipulator.meaning import IsSound
 from somo_cli.problems import Pointer, Problem, has_errors
-from somo_cli.simulation import shape_meaning
+from somo_cli.simulation import motion_meaning, place_meaning, shape_meaning
 from somo_cli.simulation.ground_meaning import DEEPEST, lowest
 from somo_cli.simulation.scene import name_of
 from somo_cli.simulation.things import thing
 
+_FREE_HEIGHT = {"motion", "place"}
 _MOTION = ("linear_velocity", "angular_velocity")
 
 
@@ -22,6 +23,8 @@ def faults(document: Document, is_sound: IsSound) -> Iterator[Problem]:
     """Yield the faults of all objects of a scene, skipping unsound ones."""
     scene = document.data
     objects = scene.get("objects") if isinstance(scene, Mapping) else None
+    if isinstance(objects, list):
+        yield from place_meaning.faults(document, objects, is_sound)
     names = _names_of_manipulators(scene)
     for index, item in enumerate(objects if isinstance(objects, list) else ()):
         at: Pointer = ("objects", index)
@@ -51,22 +54,30 @@ def _names_of_manipulators(scene: object) -> set[str]:
 
 def _own_faults(document: Document, at: Pointer, data: Mapping[str, Any]) -> Iterator[Problem]:
     yield from shape_meaning.faults(document, at, data)
-    if not data.get("fixed", False):
+    is_fixed, is_moved = data.get("fixed", False), "motion" in data
+    if is_moved:
+        yield from motion_meaning.faults(document, (*at, "motion"), data["motion"])
+    if is_moved and is_fixed:
+        message = "motion is for an object that can move, this one is fixed"
+        hint = "leave it out, or set fixed: false"
+        yield Problem(document.span((*at, "motion"), key=True), message, hint)
+    if not is_fixed and not is_moved:
         return
+    state, hint = ("fixed", "set fixed: false") if is_fixed else ("moved", "leave out its motion")
     for key in _MOTION:
         if key in data:
             yield Problem(
                 document.span((*at, key), key=True),
-                f"{key} is for an object that can move, this one is fixed",
-                "leave it out, or set fixed: false",
+                f"{key} is for an object that can move, this one is {state}",
+                f"leave it out, or {hint}",
             )
 
 
 def _ground_faults(
     document: Document, at: Pointer, data: Mapping[str, Any], ground: Any
 ) -> Iterator[Problem]:
-    if ground is None or data.get("fixed", False):
-        return  # what is fixed may stand in the ground, with which it cannot collide
+    if ground is None or data.get("fixed", False) or not _FREE_HEIGHT.isdisjoint(data):
+        return  # what is held may stand in the ground, with which it cannot collide
     one = thing(data)
     pose = Pose(one.position, geometry.rotation_from_rpy(one.rpy))
     low = min(lowest(shape, pose) for shape in one.chain.links[0].shapes)

@@ -70,6 +70,10 @@ class BodyEnergy:
         """Add work of external loads, on base and joints; `update` comes next."""
         self._work += work
 
+    def allow(self, energy: float) -> None:
+        """Allow for energy that was put in by what is neither actuation nor load."""
+        self._given += energy
+
     def let_base_fall(self, distance: float) -> None:
         """Allow for what gravity can give when the base has moved this far."""
         self._base_fall = max(self._base_fall, self._weight * self._mass * distance)
@@ -92,7 +96,7 @@ class ThingsEnergy:
         self._started_with = 0.0
         for one, planned in zip(things, plan.things, strict=True):
             thing = planned.thing
-            if thing.is_fixed:
+            if thing.is_held:
                 continue
             inertial = thing.chain.links[0].inertial
             # while its frame stays, a centre of mass beside it can still fall that far

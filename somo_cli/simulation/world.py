@@ -68,6 +68,26 @@ class WorldThing(Protocol):
         """Return the velocity of its centre and its angular velocity, in the world."""
 
 
+class WorldMovedBody(WorldBody, Protocol):
+    """What a run needs of a body whose base is moved."""
+
+    def move_base(self, goal: Pose, is_at_rest: bool) -> None:
+        """Have the base frame at this pose after the next step, and after more if at rest."""
+
+    def pull_of_base(self, acceleration: Array) -> Array:
+        """Return the joint torques, shape (n,), that an acceleration of the base asks for.
+
+        Shape (6,), the angular one, then that of the centre of mass, in the world.
+        """
+
+
+class WorldMovedThing(WorldThing, Protocol):
+    """What a run needs of an object that is moved."""
+
+    def move_to(self, goal: Pose, time_step: float) -> None:
+        """Have the frame at this pose after the next step."""
+
+
 class World(Protocol):
     """What a run needs of an engine."""
 

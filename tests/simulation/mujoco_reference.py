@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable, Sequence
 
 import mujoco
 import numpy as np
 
 from somo_cli.manipulator.chain import Chain
+from somo_cli.manipulator.kinematics import Pose
 from somo_cli.manipulator.urdf import render
+from somo_cli.simulation.motion import Motion, Path
 from somo_cli.simulation.scene import Load
-from somo_cli.simulation.signal import through
+from somo_cli.simulation.signal import Signal, through
 
 FLOATING = (
     '<link name="world"/><joint name="floating" type="floating">'
@@ -18,23 +21,52 @@ FLOATING = (
 )
 
 
+def _led_by_six() -> str:
+    """Return six joints in a row that can lead a base anywhere, and links between them."""
+    names = ("world", "x", "y", "z", "yaw", "pitch", "base")
+    kinds = ("prismatic",) * 3 + ("revolute",) * 3
+    axes = ("1 0 0", "0 1 0", "0 0 1", "0 0 1", "0 1 0", "1 0 0")
+    text = '<link name="world"/>'
+    for number, (kind, axis) in enumerate(zip(kinds, axes, strict=True)):
+        parent, child = names[number], names[number + 1]
+        if child != "base":  # what they weigh does not matter, since their motion is given
+            text += (
+                f'<link name="{child}"><inertial><mass value="1"/><inertia ixx="1" iyy="1" '
+                'izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+            )
+        text += (
+            f'<joint name="led_{number}" type="{kind}"><parent link="{parent}"/>'
+            f'<child link="{child}"/><axis xyz="{axis}"/>'
+            '<limit lower="-99" upper="99" effort="1" velocity="1"/></joint>'
+        )
+    return text
+
+
+LED = _led_by_six()
+
+
 def model_of(
-    chain: Chain, gravity: Sequence[float], time_step: float, is_free: bool = False
+    chain: Chain,
+    gravity: Sequence[float],
+    time_step: float,
+    is_free: bool = False,
+    is_led: bool = False,
 ) -> mujoco.MjModel:
     """Read our URDF into MuJoCo, which has no springs in URDF: they are set afterwards.
 
-    A free base adds 7 numbers to the front of qpos and 6 to that of qvel.
+    A free base adds 7 numbers to the front of qpos and 6 to that of qvel, a led one 6 to both:
+    x, y, z, yaw, pitch, roll.
     """
     text = render(chain).replace(
         f'<robot name="{chain.name}">',
         f'<robot name="{chain.name}"><mujoco><compiler fusestatic="true" '
-        f'discardvisual="true" balanceinertia="false"/></mujoco>{FLOATING * is_free}',
+        f'discardvisual="true" balanceinertia="false"/></mujoco>{FLOATING * is_free}{LED * is_led}',
     )
     model = mujoco.MjModel.from_xml_string(text)
     names = [
         mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, index) for index in range(model.njnt)
     ]
-    assert names[is_free:] == [joint.name for joint in chain.joints]
+    assert names[6 if is_led else is_free :] == [joint.name for joint in chain.joints]
     model.opt.gravity[:] = gravity
     model.opt.timestep = time_step
     model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
@@ -107,3 +139,48 @@ def trajectory_under_loads(
     finally:
         mujoco.set_mjcb_control(None)
     return np.array(rows)
+
+
+def led_trajectory(model: mujoco.MjModel, motion: Motion, times: Sequence[float]) -> np.ndarray:
+    """Return joint angles at the times, shape (len(times), n), of a base at the origin that is led.
+
+    The model is one of `model_of` with six joints before those of the chain, whose motion is given;
+    the others start at rest. M q'' = forces - M_led a, by Runge and Kutta's method.
+    """
+    path: Path = motion.path_from(Pose())
+    signals = (*path.translation, *reversed(path.rotation))
+    state = mujoco.MjData(model)
+    n = model.nv - 6
+    mass = np.zeros((model.nv, model.nv))
+
+    def rate_of(time: float, angles_and_rates: np.ndarray) -> np.ndarray:
+        angles, rates = angles_and_rates[:n], angles_and_rates[n:]
+        led = np.array([_derivatives(one, time) for one in signals])
+        state.qpos[:] = [*led[:, 0], *angles]
+        state.qvel[:] = [*led[:, 1], *rates]
+        mujoco.mj_forward(model, state)
+        mujoco.mj_fullM(model, state, mass)
+        forces = (state.qfrc_passive - state.qfrc_bias - mass[:, :6] @ led[:, 2])[6:]
+        return np.concatenate([rates, np.linalg.solve(mass[6:, 6:], forces)])
+
+    h, now, done = model.opt.timestep, np.zeros(2 * n), 0
+    rows = []
+    for time in times:
+        for step in range(done, round(time / h)):
+            t = step * h
+            a = rate_of(t, now)
+            b = rate_of(t + h / 2, now + h / 2 * a)
+            c = rate_of(t + h / 2, now + h / 2 * b)
+            d = rate_of(t + h - 1e-12, now + h * c)  # at a way-point, of the piece before it
+            now = now + h / 6 * (a + 2 * b + 2 * c + d)
+        done = round(time / h)
+        rows.append(now[:n])
+    return np.array(rows)
+
+
+def _derivatives(one: Signal, time: float) -> tuple[float, float, float]:
+    """Return value, first and second derivative of a signal."""
+    index = max(bisect_right(one.times, time) - 1, 0)
+    _, c1, c2, c3 = one.pieces[index]
+    s = time - one.times[index]
+    return one.at(time), c1 + s * (2 * c2 + 3 * s * c3), 2 * c2 + 6 * s * c3

@@ -66,6 +66,7 @@ def test_what_is_assumed() -> None:
         "loads": (),
         "surfaces": Surfaces(DEFAULT, DEFAULT, DEFAULT),
         "collides_with_itself": False,
+        "motion": None,
     }
 
 

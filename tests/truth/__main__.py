@@ -14,6 +14,7 @@ from tests.truth import (
     calibrated,
     estimates,
     fitted,
+    led,
     motion,
     shapes,
     surfaces,
@@ -28,7 +29,7 @@ def main() -> None:
     arguments.add_argument("-o", "--output", metavar="FILE", type=Path)
     options = arguments.parse_args()
     found = []
-    sections = (beams, calibrated, fitted, motion, estimates, touching, surfaces, shapes)
+    sections = (beams, calibrated, fitted, motion, estimates, touching, surfaces, shapes, led)
     for section in (one.rows for one in sections):
         for _, part in itertools.groupby(section(), key=lambda row: row.what):
             rows = list(part)

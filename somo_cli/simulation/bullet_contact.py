@@ -1,0 +1,36 @@
+"""Which parts of a world in PyBullet can touch, and which are in each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+
+def spare_held(bullet: Any, client: int, led: Iterable[int], held: Sequence[int]) -> None:
+    """Keep bases that a constraint holds from colliding with each other and with what is held.
+
+    Two of which neither yields would fight without end; for fixed ones the engine does so itself.
+    The numbers are the engine's, of bodies.
+    """
+    for base in led:
+        for other in held:
+            if other != base:
+                bullet.setCollisionFilterPair(base, other, -1, -1, 0, physicsClientId=client)
+
+
+def depths(bullet: Any, client: int, order: Sequence[int]) -> dict[tuple[int, int], float]:
+    """Return how deep two bodies are in each other, for all that are, where they are now.
+
+    By their places in `order`, which lists the engine's numbers; the smaller place comes first.
+    What cannot collide is in nothing. The world should not be run any more: the engine remembers
+    what it was asked.
+    """
+    bullet.performCollisionDetection(client)
+    places = {number: place for place, number in enumerate(order)}
+    found: dict[tuple[int, int], float] = {}
+    for point in bullet.getContactPoints(physicsClientId=client):
+        first, second = sorted((places[point[1]], places[point[2]]))
+        depth = -point[8]
+        if first != second and depth > found.get((first, second), 0.0):
+            found[first, second] = depth
+    return found

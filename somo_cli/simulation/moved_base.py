@@ -1,0 +1,127 @@
+"""A body whose base is moved: its joints feel how the base accelerates and turns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator.geometry import Vector
+from somo_cli.manipulator.kinematics import Pose
+from somo_cli.simulation.allowance import Allowance
+from somo_cli.simulation.dynamics import ChainPose
+from somo_cli.simulation.motion import Path, rotation_vector
+from somo_cli.simulation.plan import Body, Plan
+from somo_cli.simulation.runner import STEPS_BETWEEN_LOOKS, Runner
+from somo_cli.simulation.springs import Array
+from somo_cli.simulation.world import WorldMovedBody
+
+
+class MovedRunner(Runner):
+    """One body with a moved base; see `Runner`.
+
+    The base is where its path says at every step, so its velocity at half steps is the difference
+    of two poses over the step, and its acceleration that of two velocities. Both are known before
+    the step: what the joints feel of them need not be measured, it is part of the bias. The body
+    starts with the velocity of its path. `met` tells the force of all that touches the body.
+    """
+
+    def __init__(
+        self,
+        plan: Plan,
+        body: Body,
+        world_body: WorldMovedBody,
+        path: Path,
+        met: Callable[[], Sequence[float]],
+    ) -> None:
+        self._path = path
+        self._met = met
+        self._moved = world_body
+        self._step = plan.time_step
+        self._time = -1.0
+        self._centre = body.chain.links[0].inertial.centre
+        self._goal = path.at(0.0)
+        # of the base in the last step and in the coming one, shape (6,): spin, then velocity of
+        # its centre of mass, in the world
+        self._before = self._after = self._between(path.before_start(plan.time_step), self._goal)
+        self._start_velocity = geometry.vector(self._after[3:]), geometry.vector(self._after[:3])
+        self._allowance = Allowance(plan, body.chain)
+        self._looks_at_rest = 0
+        self._last_energy = 0.0
+        super().__init__(plan, body, world_body)
+        self.go_to_start()
+
+    def actuate(self, time: float) -> None:
+        """Set the actuation of a time [s], and have the base follow its path in the next step."""
+        super().actuate(time)
+        if time != self._time:  # time zero comes twice: the start is tried before the run
+            goal = self._path.at(time + self._step)
+            self._before, self._after = self._after, self._between(self._goal, goal)
+            self._time, self._goal = time, goal
+            self._allowance.advance(self._before, self._after)
+        self._moved.move_base(self._goal, not self._after.any())
+
+    def steady_until(self, time: float) -> float:
+        """Return the time [s] up to which `actuate` changes nothing after `time`."""
+        return min(super().steady_until(time), self._path.held_until(time, self._step))
+
+    def begin(self, force: Array, rates: Array) -> None:
+        """Take the force on the joints that was measured at the start, at these rates."""
+        spin = self._before[:3].tolist()
+        bias = self.world_body.bias(self.law.angles.tolist(), rates.tolist(), spin)
+        self.law.measure(force, bias + self._pull())
+
+    def go_to_start(
+        self,
+        rates: Sequence[float] | None = None,
+        base_velocity: tuple[Vector, Vector] | None = None,
+    ) -> None:
+        """Put the body back to its start, the base as fast as it was half a step before."""
+        super().go_to_start(rates, self._start_velocity)
+
+    def _between(self, first: Pose, second: Pose) -> Array:
+        """Return the velocity that leads from one pose of the base to the next in a step."""
+        turn = geometry.multiply(second.rotation, geometry.transposed(first.rotation))
+        way = geometry.subtract(second.point(self._centre), first.point(self._centre))
+        return np.array([*rotation_vector(turn), *way]) / self._step
+
+    def _pull(self) -> Array:
+        """Return the joint torques that the coming acceleration of the base asks for."""
+        return self._moved.pull_of_base((self._after - self._before) / self._step)
+
+    def _pose(self) -> ChainPose:
+        return self.dynamics().at(self.law.angles, self.world_body.base_pose())
+
+    def _is_calm(self, last_correction: Array) -> bool:
+        is_at_rest = not (self._before.any() or self._after.any())
+        self._looks_at_rest = self._looks_at_rest + 1 if is_at_rest else 0
+        next_look = self._time + STEPS_BETWEEN_LOOKS * self._step
+        return (
+            self._looks_at_rest > 1
+            and self._path.held_until(self._time, self._step) > next_look
+            and super()._is_calm(last_correction)
+        )
+
+    def _push_corrected(self) -> None:
+        law, world = self.law, self.world_body
+        angles = law.angles.tolist()
+        # at the instant of the angles the base is half a step on
+        spin = (0.5 * (self._before[:3] + self._after[:3])).tolist()
+        pull = self._pull()
+        present = world.bias(angles, law.rates.tolist(), self._before[:3].tolist())
+        if law.bias is None:  # the last step was one of a base at rest
+            law.bias = present
+        torques = law.correct(
+            present + pull, lambda rates: world.bias(angles, rates.tolist(), spin) + pull
+        )
+        world.apply(torques)
+
+    def _account(self) -> None:
+        # in the frame of the base: what loads do there they do on the joints
+        law, energy = self.law, self.energy
+        energy.update(law.angles, law.rates, law.actuation, self.mass)
+        energy.allow(self._allowance.in_frame(max(energy.present, self._last_energy)))
+        self._last_energy = energy.present
+        if self._allowance.can_touch:
+            energy.allow(self._allowance.by_contact(self._met()))

@@ -1,0 +1,60 @@
+"""An object that is moved: it follows its path, whatever it meets."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator.kinematics import Pose
+from somo_cli.simulation.allowance import Allowance
+from somo_cli.simulation.motion import Path, rotation_vector
+from somo_cli.simulation.plan import Plan, PlannedThing
+from somo_cli.simulation.springs import Array
+from somo_cli.simulation.world import WorldMovedThing
+
+
+class ThingMover:
+    """One moved object; `thing` is what the engine has of it, `met` tells the force on it."""
+
+    def __init__(
+        self,
+        plan: Plan,
+        planned: PlannedThing,
+        path: Path,
+        thing: WorldMovedThing,
+        met: Callable[[], Sequence[float]],
+    ) -> None:
+        self._path = path
+        self._thing = thing
+        self._met = met
+        self._step = plan.time_step
+        self._time = -1.0
+        self._goal = path.at(0.0)
+        self._velocity: Array = np.zeros(6)
+        self._allowance = Allowance(plan, planned.thing.chain)
+        self._given = 0.0
+
+    def actuate(self, time: float) -> None:
+        """Have the object follow its path in the step that starts at a time [s]."""
+        if time != self._time:  # time zero comes twice: the start is tried before the run
+            goal = self._path.at(time + self._step)
+            velocity = self._between(self._goal, goal)
+            self._allowance.advance(self._velocity, velocity)
+            self._time, self._goal, self._velocity = time, goal, velocity
+        self._thing.move_to(self._goal, self._step)
+
+    def steady_until(self, time: float) -> float:
+        """Return the time [s] up to which `actuate` changes nothing after `time`."""
+        return self._path.held_until(time, self._step)
+
+    def given(self) -> float:
+        """Return a bound on the energy that the object can have given by now."""
+        self._given += self._allowance.by_contact(self._met())
+        return self._given
+
+    def _between(self, first: Pose, second: Pose) -> Array:
+        turn = geometry.multiply(second.rotation, geometry.transposed(first.rotation))
+        way = geometry.subtract(second.position, first.position)
+        return np.array([*rotation_vector(turn), *way]) / self._step
