@@ -84,7 +84,7 @@ class BulletWorld:
         # advances every body by one time step; torques last for one step
         self.step = partial(self._bullet.stepSimulation, self._client)
         # the cache would serve an old file under a known name, even after a reset; the solver would
-        # be content with 50 iterations, or with an error of 3e-4 engine units of impulse, which to
+        # be content with 50 iterations, or with an error of 3e-4 engine units per second, which to
         # the constraints, contacts and dry friction of a small body is as good as any
         self._bullet.setPhysicsEngineParameter(
             enableFileCaching=0,

@@ -208,6 +208,16 @@ class SpringLaw:
         self._previous_torques[:] = -force
         self.bias = bias
 
+    def measured(self, bias: Array) -> Array:
+        """Return f as it was in the last step, shape (n,), but for the present bias forces."""
+        assert self._mass is not None, "refresh comes first"
+        force: Array = self._mass.dot(self.rates - self._previous_rates)
+        force /= self.time_step
+        force -= self._previous_torques
+        if self.bias is not None:
+            force += self.bias - bias
+        return force
+
     def hold(self, drift: Array, change: Array) -> None:
         """Carry the last correction on for the steps to come, as `make_hold` does them.
 
@@ -253,11 +263,7 @@ class SpringLaw:
         """
         assert self._mass is not None, "refresh comes first"
         h, rates, torques = self.time_step, self.rates, self._torques
-        force = self._mass.dot(rates - self._previous_rates)
-        force /= h
-        force -= self._previous_torques
-        if self.bias is not None:
-            force += self.bias - bias
+        force = self.measured(bias)
         own = self._at_rest - self.springs.stiffness * self.angles
         own += self.actuation
         own -= self._present_damping.dot(rates)
