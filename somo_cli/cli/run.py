@@ -106,7 +106,7 @@ def _simulate(
     with_error: bool,
     quiet: bool,
 ) -> None:
-    from somo_cli.simulation import columns
+    from somo_cli.simulation import columns, penetration
     from somo_cli.simulation.metadata import metadata
     from somo_cli.simulation.plan import make_plan
     from somo_cli.simulation.recorder import RowSpool
@@ -136,6 +136,8 @@ def _simulate(
             f"{steps * plan.time_step:g} s in {summary.wall_time:.3g} s{chosen}, "
             f"{about['steps_per_second'] or 0:.0f} steps per second"
         )
+    if summary.deepest is not None and summary.deepest.is_deep:
+        terminal.say(f"somo: warning: {penetration.advice(summary.deepest, plan.time_step)}")
     if told is not None:
         terminal.say_lines(_table(told, names[1:]))
     if failure is not None:

@@ -21,6 +21,7 @@ from somo_cli.simulation.bullet_thing import BulletThing
 from somo_cli.simulation.c_library import captured_output, decimal_points, duplicate, flush_c
 from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.surface import Ground
+from somo_cli.simulation.world import Part
 
 GROUND_REACH = 1000.0  # engine units, from the origin
 GROUND_DEPTH = 20.0  # engine units: what falls faster than this in a step passes through
@@ -36,6 +37,7 @@ class BulletWorld:
         self._stdout: int | None = None
         self.bodies: list[BulletBody] = []
         self.things: list[BulletThing] = []
+        self._numbers: dict[int, int] = {}
         self.step: Callable[[], object] = self._refuse
 
     def __enter__(self) -> BulletWorld:
@@ -76,6 +78,14 @@ class BulletWorld:
             os.close(self._stdout)
             self._stdout = None
 
+    def penetrations(self) -> list[tuple[Part, Part, float]]:
+        """Return which parts were how deep in each other in the last step; depths above 0 only."""
+        return [
+            ((self._numbers[point[1]], point[3] + 1), (self._numbers[point[2]], point[4] + 1), -gap)
+            for point in self._bullet.getContactPoints(physicsClientId=self._client)
+            if (gap := point[8]) < 0
+        ]
+
     @staticmethod
     def _refuse() -> None:
         raise RuntimeError("the world is entered before it is stepped")
@@ -106,10 +116,12 @@ class BulletWorld:
                 path = Path(folder) / f"object_{number}.urdf"
                 path.write_text(thing.urdf, encoding="utf-8")
                 self.things.append(BulletThing(self._bullet, self._client, thing, str(path)))
+        indices = [body.index for body in self.bodies] + [thing.index for thing in self.things]
         if self._plan.ground is not None:
-            self._lay_ground(self._plan.ground)
+            indices.append(self._lay_ground(self._plan.ground))
+        self._numbers = {index: number for number, index in enumerate(indices)}
 
-    def _lay_ground(self, ground: Ground) -> None:
+    def _lay_ground(self, ground: Ground) -> int:
         # seen in 3.2.7: on a plane (GEOM_PLANE) a sliding box stands on one or two points and
         # sinks in by millimetres, on a large box on four
         bullet, client = self._bullet, self._client
@@ -122,6 +134,7 @@ class BulletWorld:
         bullet.changeDynamics(
             index, -1, lateralFriction=ground.surface.friction, physicsClientId=client
         )
+        return int(index)
 
     def _loading(self) -> str:
         names = [body.name for body in self._plan.bodies]

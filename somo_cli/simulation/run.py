@@ -12,6 +12,7 @@ from somo_cli.manipulator.geometry import Vector
 from somo_cli.simulation import columns, watch
 from somo_cli.simulation.columns import State
 from somo_cli.simulation.free_base import FreeRunner
+from somo_cli.simulation.penetration import Penetration, PenetrationWatch, steps_between_looks
 from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.runner import STEPS_BETWEEN_LOOKS, Runner
 from somo_cli.simulation.start import begin
@@ -22,11 +23,15 @@ _NO_CONTACT = (0.0, 0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """What happened: steps done, rows written, and the wall time of the stepping loop [s]."""
+    """What happened: steps done, rows written, and the wall time of the stepping loop [s].
+
+    `deepest` is the deepest penetration seen, None where nothing was inside anything.
+    """
 
     steps: int
     rows: int
     wall_time: float
+    deepest: Penetration | None = None
 
 
 @np.errstate(over="ignore", invalid="ignore")  # the watch says it better
@@ -48,6 +53,7 @@ def run(
     ]
     begin(plan, world, runners)
     units = columns.units_of(plan)
+    depths = PenetrationWatch(plan, world) if plan.can_touch else None
     energy_of_things = watch.ThingsEnergy(plan, world.things)
     needs_rates = not {"joint_rates", "energy"}.isdisjoint(plan.columns)
     needs_next_rates = plan.integrator == "implicit" and needs_rates
@@ -58,6 +64,8 @@ def run(
         for runner in runners:
             runner.measure()
         watch.check(step, plan, runners, energy_of_things.given())
+        if depths is not None:
+            depths.look(step)
         advance(step)
         is_recorded = step % plan.every == 0
         states = [_state(plan, runner, step) for runner in runners] if is_recorded else []
@@ -73,13 +81,17 @@ def run(
             write(columns.row(plan, units, step * plan.time_step, states) + seen)
             rows += 1
         if step >= steps:
-            return Summary(steps, rows, clock() - started)
+            deepest = None if depths is None else depths.deepest
+            return Summary(steps, rows, clock() - started, deepest)
         step = until
 
 
 def _next_stop(plan: Plan, step: int, steps: int) -> int:
     """Return the next step with a look, a row or the end; where rows fall changes no torque."""
     next_look = step - step % STEPS_BETWEEN_LOOKS + STEPS_BETWEEN_LOOKS
+    if plan.can_touch:
+        between = steps_between_looks(plan.time_step, STEPS_BETWEEN_LOOKS)
+        next_look = min(next_look, step - step % between + between)
     next_row = step - step % plan.every + plan.every
     return max(step, min(next_look, next_row, steps))
 

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeAlias
 
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.springs import Array
+
+Part: TypeAlias = tuple[int, int]
+"""A body, counted through bodies, objects and ground, and one of its links, 0 the base."""
 
 
 class WorldBody(Protocol):
@@ -86,3 +89,6 @@ class World(Protocol):
 
     step: Callable[[], object]
     """Advances every body by one time step."""
+
+    def penetrations(self) -> Sequence[tuple[Part, Part, float]]:
+        """Return which parts were how deep in each other in the last step; depths above 0 only."""

@@ -93,9 +93,13 @@ def impulse(column: str) -> Callable[[Table], float]:
 
 
 def wall_struck(speed: str, torque: float) -> Case:
-    """A finger is bent at once and strikes a fixed wall 10 mm off; no gravity."""
+    """A finger is bent at once and strikes a fixed wall 10 mm off; no gravity.
+
+    Without friction, because what stuck friction holds up in the end depends on how it came to
+    rest, in which two good references differ by percents.
+    """
     face = ASIDE - BALL - 0.01
-    wall = box("wall", [0.1, 0.02, 0.1], [0, face - 0.01, 0.1], fixed=True, friction=0.3)
+    wall = box("wall", [0.1, 0.02, 0.1], [0, face - 0.01, 0.1], fixed=True, friction=0)
     return Case(
         f"wall struck, {speed}",
         "impulse on the wall [N s]",
@@ -108,7 +112,7 @@ def wall_struck(speed: str, torque: float) -> Case:
 def block_struck(speed: str, torque: float) -> Case:
     """A finger is bent at once and strikes a block of 20 g that nothing holds; no gravity."""
     face = ASIDE - BALL - 0.01
-    block = box("block", [0.04, 0.04, 0.04], [0, face - 0.02, REACH], mass=0.02, friction=0.3)
+    block = box("block", [0.04, 0.04, 0.04], [0, face - 0.02, REACH], mass=0.02, friction=0)
     return Case(
         f"block struck, {speed}",
         "way of the block [m]",
