@@ -153,4 +153,4 @@ EXPLICIT = Candidate("explicit", integrator="explicit")
 
 def candidates() -> tuple[Candidate, ...]:
     """Return every candidate, the product's law first."""
-    return (PLAIN, EVERY_STEP, *filters(), EULER, EXPLICIT)
+    return (PLAIN, EVERY_STEP, *filters(), EULER)

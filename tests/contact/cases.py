@@ -28,7 +28,8 @@ ASIDE = 0.005  # m: from its axis to the centre, towards y
 class Case:
     """A scene, how long it runs [s], and the figure that is read from its columns.
 
-    `is_passive` says that nothing drives it: its energy can only fall.
+    `is_passive` says that nothing drives it: its energy can only fall. `is_slow` says that it is
+    run with the laws that users can choose only.
     """
 
     name: str
@@ -38,6 +39,7 @@ class Case:
     figure: Callable[[Table], float]
     columns: tuple[Quantity, ...] = ("contact_force",)
     is_passive: bool = False
+    is_slow: bool = False
     finest: float = 1.25e-5  # s: the step that the explicit loop goes down to
 
     def scene(self, step: float) -> Scene:
@@ -194,8 +196,9 @@ def snake() -> Case:
         scene_of([one], ground={"friction": 0.6}),
         0.3,
         at_end("snake.base_pose.y_m"),
-        finest=2.5e-5,
+        finest=1e-4,
         columns=("base_pose",),
+        is_slow=True,
     )
 
 

@@ -39,8 +39,8 @@ class Truth:
     spread: float
 
 
-def trial(case: Case, step: float, candidate: Candidate = PLAIN) -> Trial:
-    """Run a case."""
+def recorded(case: Case, step: float, candidate: Candidate = PLAIN) -> tuple[Table, run.Summary]:
+    """Run a case, and return its columns; raises SimulationDiverged."""
     scene = dataclasses.replace(case.scene(step), integrator=candidate.integrator)
     plan = make_plan(scene)
     rows: list[list[float]] = []
@@ -48,20 +48,24 @@ def trial(case: Case, step: float, candidate: Candidate = PLAIN) -> Trial:
     def keep(values: Iterable[float]) -> None:
         rows.append(list(values))
 
-    steps = round(case.seconds / step)
+    with candidate.installed(), BulletWorld(plan) as world:
+        summary = run.run(plan, world, keep, round(case.seconds / step), time.perf_counter)
+    return dict(zip(columns.header(plan), np.array(rows).T, strict=True)), summary
+
+
+def trial(case: Case, step: float, candidate: Candidate = PLAIN) -> Trial:
+    """Run a case, and return what it gave."""
     try:
-        with candidate.installed(), BulletWorld(plan) as world:
-            summary = run.run(plan, world, keep, steps, time.perf_counter)
+        table, summary = recorded(case, step, candidate)
     except SimulationDiverged:
         return Trial(math.nan, math.nan)
-    table: Table = dict(zip(columns.header(plan), np.array(rows).T, strict=True))
     growth = growth_of_energy(table, step) if case.is_passive else 0.0
-    return Trial(case.figure(table), summary.wall_time / steps, growth)
+    return Trial(case.figure(table), summary.wall_time / summary.steps, growth)
 
 
 def growth_of_energy(table: Table, step: float) -> float:
     """Return by how much the energy grew again, over how much it fell."""
-    energy = sum(values for name, values in table.items() if name.endswith("_j"))
+    energy = np.sum([values for name, values in table.items() if name.endswith("_j")], axis=0)
     block = max(1, round(BLOCK / step))
     energy = energy[: len(energy) // block * block].reshape(-1, block).max(axis=1)
     least = np.minimum.accumulate(energy)
