@@ -35,6 +35,11 @@ f holds gravity, too, whose stiffness G is that of a pendulum. Where a step does
 pendulum, N and B get what G would give them if it were a spring with β = 1/2, and f is left as it
 is: h²/2 G is another O(h²) in B, and changes no equilibrium.
 
+After an impact f holds the blow, which is gone a step later; the law takes it as it is. Minmod, the
+median of three, a running mean, dropping or capping the change, of all of f or of its contact part
+alone, made errors after blows larger or no smaller, and failed at steps at which this holds; the
+bench in tests/contact shows it.
+
 Where joints would pass their limits in the coming step, a and τ get what torques λ on them do,
 (M + B)⁻¹ λ and (1 - B (M + B)⁻¹) λ: see `stops`.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Sequence
 
 from tests.contact import chatter, second_opinion, table
@@ -38,7 +39,8 @@ def show(case: Case, laws: Sequence[Candidate]) -> list[Line]:
 
 def _others(case: Case, figure: float) -> list[str]:
     coarse = trial(case, EXPLICIT_STEP, EXPLICIT).figure
-    told = [f"  explicit at {1e3 * EXPLICIT_STEP:g} ms: {abs(coarse / figure - 1):.1e}"]
+    error = "fails" if math.isnan(coarse) else f"{abs(coarse / figure - 1):.1e}"
+    told = [f"  explicit at {1e3 * EXPLICIT_STEP:g} ms: {error}"]
     if not case.is_slow:
         apart = " and ".join(f"{one:.1e}" for one in second_opinion.apart(case, figure))
         told.append(f"  MuJoCo at 40 and 20 us: {apart} from it")
