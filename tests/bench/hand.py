@@ -101,9 +101,9 @@ def classic(plan: Plan) -> tuple[float, float]:
             numSolverIterations=50, solverResidualThreshold=1e-7, physicsClientId=client
         )
         for body, planned in zip(world.bodies, plan.bodies, strict=True):
-            for joint in range(len(planned.chain.joints)):
+            for number in range(len(planned.chain.joints)):
                 bullet.setJointMotorControl2(
-                    body.index, joint, bullet.VELOCITY_CONTROL, force=1.0, physicsClientId=client
+                    body.index, number, bullet.VELOCITY_CONTROL, force=1.0, physicsClientId=client
                 )
         started = time.perf_counter()
         for step in range(STEPS):
@@ -133,10 +133,10 @@ def profiled(plan: Plan) -> Iterable[str]:
         profile.enable()
         stepping.run(plan, world, lambda values: None, STEPS, time.perf_counter)
         profile.disable()
-    table = pstats.Stats(profile)
-    rows = sorted(((own, name) for name, (_, _, own, _, _) in table.stats.items()), reverse=True)
+    profiles = pstats.Stats(profile).get_stats_profile().func_profiles
+    rows = sorted(((one.tottime, name) for name, one in profiles.items()), reverse=True)
     total = sum(own for own, _ in rows)
-    for own, (_, _, name) in rows[:12]:
+    for own, name in rows[:12]:
         yield f"  {100 * own / total:5.1f} %  {name}"
 
 

@@ -6,14 +6,16 @@ import argparse
 import math
 from collections.abc import Sequence
 
+from somo_cli.problems import SimulationDiverged
 from tests.contact import chatter, second_opinion, table
 from tests.contact.candidates import EULER, EXPLICIT, PLAIN, Candidate, candidates
-from tests.contact.cases import Case, cases
+from tests.contact.cases import Case, cases, named
 from tests.contact.table import Line
-from tests.contact.trial import trial, truth
+from tests.contact.trial import recorded, trial, truth
 
 QUICK = ("blocked force", "wall struck, fast", "cube of 10 g, 2 fingers")
 SENSITIVE = 3e-3  # relative change at the finest step, beyond which there is no convergence
+TOO_LARGE = (5e-3, 6e-3, 8e-3, 1e-2, 2e-2)  # s
 EXPLICIT_STEP = 2.5e-4  # s, below the finger's limit of 0.38 ms
 
 
@@ -58,6 +60,24 @@ def shaking() -> None:
             print(f"  {law.name:20}" + "".join(f"{one:>11.1e}" for one in found), flush=True)
 
 
+def too_large() -> None:
+    """Print what becomes of fast blows at steps beyond the ladder, and what a run says of it."""
+    print("\nat too large steps: relative error, and what the run says")
+    for name in ("wall struck, fast", "block struck, fast", "cube of 100 g, 2 fingers"):
+        case = named(name)
+        for step in TOO_LARGE:
+            try:
+                columns, summary = recorded(case, step)
+            except SimulationDiverged as error:
+                found, said = "", str(error)
+            else:
+                found = f"{abs(case.figure(columns) / truth(name).figure - 1):.1e}"
+                deepest = summary.deepest
+                is_deep = deepest is not None and deepest.is_deep
+                said = f"{100 * deepest.share:.0f} % deep" if deepest and is_deep else "nothing"
+            print(f"  {name:26}{1e3 * step:>5g} ms {found:>8}  {said}")
+
+
 def main() -> None:
     """Print a table for each case, then the worst over all cases."""
     arguments = argparse.ArgumentParser(description=__doc__)
@@ -76,6 +96,7 @@ def main() -> None:
     print(table.header())
     print(*table.worst(lines), sep="\n")
     if not wanted:
+        too_large()
         shaking()
 
 
