@@ -19,7 +19,7 @@ ifneq ($(PYTHON),$(shell cat $(READY) 2>/dev/null))
 endif
 endif
 
-.PHONY: all help sync demo test test-all check format golden bench truth extreme build clean
+.PHONY: all help sync demo test test-all check format golden bench truth contact extreme build clean
 .DELETE_ON_ERROR:
 
 all: help
@@ -78,6 +78,7 @@ golden: sync ## write the golden URDFs and messages anew: the diff is the review
 bench: sync ## measure speed, start-up, error against run time, stability, physics
 	$(RUN) tests.bench.stepping
 	$(RUN) tests.bench.recording
+	$(RUN) tests.bench.hand
 	$(RUN) tests.bench.accuracy
 	$(RUN) tests.bench.stability
 	$(RUN) tests.bench.physics
@@ -85,6 +86,9 @@ bench: sync ## measure speed, start-up, error against run time, stability, physi
 
 truth: sync ## hold results against theory and MuJoCo, all in one table
 	$(RUN) tests.truth
+
+contact: sync ## hold contact against converged references, over laws, cases and steps (minutes)
+	$(RUN) tests.contact
 
 extreme: sync ## run stiff and extreme cases (minutes), and compare with the matrix of before
 	$(RUN) tests.extreme

@@ -132,7 +132,7 @@ def _simulate(
     with_error: bool,
     quiet: bool,
 ) -> None:
-    from somo_cli.simulation import columns
+    from somo_cli.simulation import columns, penetration
     from somo_cli.simulation.metadata import metadata
     from somo_cli.simulation.plan import make_plan
     from somo_cli.simulation.recorder import RowSpool
@@ -172,6 +172,8 @@ def _simulate(
         if of_events is not None:
             place = "standard output" if of_events == "-" else of_events
             terminal.say(f"{place}: {events} events")
+    if summary.deepest is not None and summary.deepest.is_deep:
+        terminal.say(f"somo: warning: {penetration.advice(summary.deepest, plan.time_step)}")
     if told is not None:
         terminal.say_lines(_table(told, names[1:]))
     if failure is not None:

@@ -41,6 +41,7 @@ class BulletWorld:
         self._stdout: int | None = None
         self.bodies: list[BulletBody] = []
         self.things: list[BulletThing] = []
+        self._numbers: dict[int, int] = {}
         self.step: Callable[[], object] = self._refuse
         self._places: dict[tuple[int, int], Place] = {}  # of the engine's bodies and links
         self._grounds: list[int] = []
@@ -101,6 +102,15 @@ class BulletWorld:
             for one in told
         ]
 
+    def penetrations(self) -> list[tuple[Place, Place, float]]:
+        """Return which parts were how deep in each other in the last step; depths above 0 only."""
+        places = self._places
+        return [
+            (places[one[1], one[3]], places[one[2], one[4]], -gap)
+            for one in self._bullet.getContactPoints(physicsClientId=self._client)
+            if (gap := one[8]) < 0
+        ]
+
     def depths(self) -> dict[tuple[int, int], float]:
         """Return how deep parts of the scene are in each other [engine units], where they are.
 
@@ -118,7 +128,7 @@ class BulletWorld:
         # advances every body by one time step; torques last for one step
         self.step = partial(self._bullet.stepSimulation, self._client)
         # the cache would serve an old file under a known name, even after a reset; the solver would
-        # be content with 50 iterations, or with an error of 3e-4 engine units of impulse, which to
+        # be content with 50 iterations, or with an error of 3e-4 engine units per second, which to
         # the constraints, contacts and dry friction of a small body is as good as any
         self._bullet.setPhysicsEngineParameter(
             enableFileCaching=0,

@@ -14,6 +14,7 @@ from somo_cli.simulation.events import ContactWatch, Event
 from somo_cli.simulation.free_base import FreeRunner
 from somo_cli.simulation.moved_base import MovedRunner
 from somo_cli.simulation.moved_thing import ThingMover
+from somo_cli.simulation.penetration import Penetration, PenetrationWatch, steps_between_looks
 from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.rows import Rows
 from somo_cli.simulation.runner import STEPS_BETWEEN_LOOKS, Runner
@@ -27,13 +28,15 @@ Driven: TypeAlias = Runner | ThingMover
 class Summary:
     """What happened: steps done, rows written, and the wall time of the stepping loop [s].
 
-    `stopped` is the condition of the scene that ended the run, if one did.
+    `stopped` is the condition of the scene that ended the run, if one did, and `deepest` the
+    deepest penetration seen, None where nothing was inside anything.
     """
 
     steps: int
     rows: int
     wall_time: float
     stopped: Stopped | None = None
+    deepest: Penetration | None = None
 
 
 @np.errstate(over="ignore", invalid="ignore")  # the watch says it better
@@ -65,6 +68,7 @@ def run(
     recorded = Rows(plan, world, runners)
     ending = Ending(plan, world, runners, steps)
     contacts = None if tell is None else ContactWatch(plan.time_step, tell)
+    depths = PenetrationWatch(plan, world) if plan.can_touch else None
     energy_of_things = watch.ThingsEnergy(plan, world.things)
     last = ending.steps
     stopped: Stopped | None = None
@@ -76,6 +80,8 @@ def run(
             runner.measure()
         given = energy_of_things.given() + sum(mover.given() for mover in movers)
         watch.check(step, plan, runners, given)
+        if depths is not None:
+            depths.look(step)
         advance(step)
         if step % STEPS_BETWEEN_LOOKS == 0:
             recorded.look()
@@ -96,13 +102,17 @@ def run(
             write(recorded.row())
             rows += 1
         if step >= last:
-            return Summary(last, rows, clock() - started, stopped or ending.at(step))
+            deepest = None if depths is None else depths.deepest
+            return Summary(last, rows, clock() - started, stopped or ending.at(step), deepest)
         step = until
 
 
 def _next_stop(plan: Plan, step: int, steps: int) -> int:
     """Return the next step with a look, a row or the end; where rows fall changes no torque."""
     next_look = step - step % STEPS_BETWEEN_LOOKS + STEPS_BETWEEN_LOOKS
+    if plan.can_touch:
+        between = steps_between_looks(plan.time_step, STEPS_BETWEEN_LOOKS)
+        next_look = min(next_look, step - step % between + between)
     next_row = step - step % plan.every + plan.every
     return max(step, min(next_look, next_row, steps))
 

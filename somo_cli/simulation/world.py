@@ -8,7 +8,7 @@ from typing import Any, Protocol
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.springs import Array
-from somo_cli.simulation.touching import Touch
+from somo_cli.simulation.touching import Place, Touch
 
 
 class WorldBody(Protocol):
@@ -104,3 +104,6 @@ class World(Protocol):
 
     def touches(self) -> list[Touch]:
         """Return every contact point of the last step, in an order that is always the same."""
+
+    def penetrations(self) -> Sequence[tuple[Place, Place, float]]:
+        """Return which parts were how deep in each other in the last step; depths above 0 only."""

@@ -11,7 +11,7 @@ import numpy as np
 from somo_cli.manipulator.geometry import ZERO, Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.plan import Body, Plan, make_plan
-from somo_cli.simulation.touching import Touch
+from somo_cli.simulation.touching import Place, Touch
 from somo_cli.simulation.world import WorldThing
 from tests.loading import scene_from_text
 from tests.manipulator.bodies import actuator, hinge, manipulator
@@ -105,6 +105,7 @@ class FakeWorld:
     def __init__(self, plan: Plan, load: float = 0.0) -> None:
         self.bodies = [FakeBody(body, plan.time_step, load) for body in plan.bodies]
         self.things: list[WorldThing] = []
+        self.depths: list[tuple[Place, Place, float]] = []
         self.at_step: dict[int, Callable[[], None]] = {}
         self.steps = 0
         self.rates: list[np.ndarray] = []
@@ -112,6 +113,9 @@ class FakeWorld:
 
     def touches(self) -> list[Touch]:
         return []
+
+    def penetrations(self) -> Sequence[tuple[Place, Place, float]]:
+        return self.depths
 
     def _step(self) -> None:
         for body in self.bodies:

@@ -1,0 +1,1 @@
+"""What contact is worth: candidate laws, cases and steps against converged references."""

@@ -1,0 +1,62 @@
+"""A finger whose dampers outweigh its inertia, its tip sliding on the ground: how much it shakes.
+
+Where B is far above M the law lets the measured force decide nearly all of the next step's, so that
+what friction does comes back a step later.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import time
+from collections.abc import Iterable
+
+import numpy as np
+
+from somo_cli.problems import SimulationDiverged
+from somo_cli.simulation import columns, run
+from somo_cli.simulation.bullet import BulletWorld
+from somo_cli.simulation.plan import make_plan
+from tests.contact.candidates import Candidate
+from tests.contact.cases import dragged
+from tests.loading import scene_from_text
+
+DAMPERS = (1, 30, 300)  # times the shipped finger's
+STEPS = (2e-3, 1e-3, 5e-4)  # s
+SECONDS = 0.5
+
+
+def shake(candidate: Candidate, dampers: float, step: float) -> float:
+    """Return by how much [rad] a joint departs from the mean of the steps before and after.
+
+    The most of any joint in the second half; the torque is larger for the larger dampers.
+    """
+    data = dragged().data
+    data["manipulators"][0]["actuation"][0]["waypoints"] = [[0, 0.04 * max(1, dampers / 30)]]
+    joint = "manipulators[0].definition.actuator_definitions[0].joint_definitions"
+    sets = [
+        f"{joint}[{index}].spring_damping={damping * dampers}"
+        for index, damping in enumerate((0.00045, 0.00072))
+    ]
+    scene = dataclasses.replace(
+        scene_from_text(json.dumps(data), *sets),
+        integrator=candidate.integrator,
+        time_step=step,
+        every=1,
+        columns=("joint_angles",),
+    )
+    plan = make_plan(scene)
+    rows: list[list[float]] = []
+
+    def keep(values: Iterable[float]) -> None:
+        rows.append(list(values))
+
+    try:
+        with candidate.installed(), BulletWorld(plan) as world:
+            run.run(plan, world, keep, round(SECONDS / step), time.perf_counter)
+    except SimulationDiverged:
+        return math.nan
+    angles = np.array(rows)[:, 1 : len(columns.header(plan))]
+    bent = angles[2:] - 2 * angles[1:-1] + angles[:-2]
+    return float(np.abs(bent[len(bent) // 2 :]).max() / 2)

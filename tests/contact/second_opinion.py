@@ -1,0 +1,181 @@
+"""The same scenes in MuJoCo, whose contact is a stiff spring-damper: a second opinion.
+
+Its friction is the larger of two, ours the product; so the geoms are given the product, and where a
+scene has several, the object that slides with the least takes precedence.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator.urdf import render
+from somo_cli.simulation.actuation import Actuation
+from somo_cli.simulation.scene import Manipulator, Scene
+from somo_cli.simulation.things import Thing
+from tests.contact.cases import Case
+
+STEP = 2e-5  # s
+STIFF = (1e-4, 1.0)  # s, damping ratio: how fast a penetration recovers
+HARD = (0.99, 0.999, 1e-4, 0.5, 2.0)  # impedance at no penetration and at 0.1 mm
+MANIPULATOR, THING = 1, 2  # bits of collision: manipulators touch things only
+FLOATING = (
+    '<link name="world"/><joint name="floating" type="floating">'
+    '<parent link="world"/><child link="base"/></joint>'
+)
+
+
+def figure(case: Case, step: float = STEP) -> float:
+    """Return the figure of a case."""
+    scene = case.scene(step)
+    model = model_of(scene, step)
+    return case.figure(_columns(case, scene, model))
+
+
+def model_of(scene: Scene, step: float) -> mujoco.MjModel:
+    """Return a scene as a model."""
+    spec = mujoco.MjSpec()
+    spec.compiler.degree = False
+    for one in scene.manipulators:
+        frame = spec.worldbody.add_frame(
+            pos=one.position,
+            quat=_wxyz(geometry.rotation_from_rpy(one.rpy)),
+        )
+        spec.attach(mujoco.MjSpec.from_string(_urdf(one)), prefix=f"{one.name}/", frame=frame)
+    if scene.ground is not None:
+        low = [0, 0, scene.ground.height - 0.5]
+        spec.worldbody.add_geom(
+            name="ground", type=mujoco.mjtGeom.mjGEOM_BOX, size=[50, 50, 0.5], pos=low
+        )
+    for thing in scene.things:
+        _add(spec, thing)
+    model = spec.compile()
+    model.opt.timestep = step
+    model.opt.gravity[:] = scene.gravity
+    model.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    model.opt.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    model.opt.impratio = 100
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_LIMIT
+    for one in scene.manipulators:
+        _set_springs(model, one)
+    _set_contact(model, scene)
+    return model
+
+
+def _urdf(one: Manipulator) -> str:
+    chain = one.compiled.chain
+    extra = FLOATING * (one.base == "free")
+    text = render(chain).replace(
+        f'<robot name="{chain.name}">',
+        f'<robot name="{chain.name}"><mujoco><compiler fusestatic="true" '
+        f'discardvisual="true" balanceinertia="false"/></mujoco>{extra}',
+    )
+    # names of materials would clash between manipulators
+    return re.sub(r"<material[^>]*/>|<material.*?</material>", "", text, flags=re.DOTALL)
+
+
+def _wxyz(rotation: geometry.Matrix) -> list[float]:
+    x, y, z, w = geometry.quaternion_from_rotation(rotation)
+    return [w, x, y, z]
+
+
+def _add(spec: mujoco.MjSpec, thing: Thing) -> None:
+    (shape,) = thing.chain.links[0].shapes
+    body = spec.worldbody.add_body(
+        name=thing.name,
+        pos=thing.position,
+        quat=_wxyz(geometry.rotation_from_rpy(thing.rpy)),
+    )
+    if not thing.is_fixed:
+        body.add_freejoint()
+    size = [half / 2 for half in shape.solid.size]  # boxes are all that the bench has
+    mass = thing.chain.links[0].inertial.mass
+    body.add_geom(name=thing.name, type=mujoco.mjtGeom.mjGEOM_BOX, size=size, mass=mass)
+
+
+def _set_springs(model: mujoco.MjModel, one: Manipulator) -> None:
+    for joint in one.compiled.chain.joints:
+        index = model.joint(f"{one.name}/{joint.name}").id
+        # a row of one or of three numbers, by MuJoCo's version
+        model.jnt_stiffness.reshape(model.njnt, -1)[index, 0] = joint.stiffness
+        model.qpos_spring[model.jnt_qposadr[index]] = joint.neutral_position
+        dof = model.jnt_dofadr[index]
+        model.dof_damping.reshape(model.nv, -1)[dof, 0] = joint.damping
+        model.dof_frictionloss[dof] = 0
+
+
+def _set_contact(model: mujoco.MjModel, scene: Scene) -> None:
+    own = scene.manipulators[0].surface.friction
+    surfaces = {thing.name: thing.surface.friction for thing in scene.things}
+    if scene.ground is not None:
+        surfaces["ground"] = scene.ground.surface.friction
+    order = sorted(set(surfaces.values()), reverse=True)
+    for index in range(model.ngeom):
+        name = model.geom(index).name
+        is_thing = name in surfaces
+        friction = own * surfaces[name] if is_thing else 0.0
+        model.geom_friction[index] = (max(friction, 1e-5), 0, 0)
+        model.geom_priority[index] = 1 + order.index(surfaces[name]) if is_thing else 0
+        model.geom_solref[index] = STIFF
+        model.geom_solimp[index] = HARD
+        model.geom_condim[index] = 3
+        model.geom_contype[index] = THING if is_thing else MANIPULATOR
+        model.geom_conaffinity[index] = (THING | MANIPULATOR) if is_thing else 0
+
+
+def _columns(case: Case, scene: Scene, model: mujoco.MjModel) -> dict[str, np.ndarray]:
+    """Run, and return what columns of ours the figures need."""
+    state = mujoco.MjData(model)
+    for thing in scene.things:
+        if not thing.is_fixed:
+            at = model.jnt_dofadr[model.body(thing.name).jntadr[0]]
+            state.qvel[at : at + 3] = thing.linear_velocity
+    drives = [
+        (entry.course.signal(), _dofs(model, one, entry))
+        for one in scene.manipulators
+        for entry in one.actuation
+    ]
+    table: dict[str, list[float]] = {"time_s": []}
+    first = scene.manipulators[0].name
+    watched = {thing.name for thing in scene.things if not thing.is_fixed}
+    steps = round(case.seconds / model.opt.timestep)
+    for number in range(steps + 1):
+        for signal, dofs in drives:
+            state.qfrc_applied[dofs] = signal.at((number + 0.5) * model.opt.timestep)
+        table["time_s"].append(number * model.opt.timestep)
+        for name in watched:
+            for axis, value in zip("xyz", state.body(name).xpos, strict=True):
+                table.setdefault(f"{name}.pose.{axis}_m", []).append(float(value))
+        mujoco.mj_step(model, state)
+        pressed = _normal_force(model, state, first)
+        table.setdefault(f"{first}.contact.normal_n", []).append(pressed)
+    return {name: np.array(values) for name, values in table.items()}
+
+
+def _dofs(model: mujoco.MjModel, one: Manipulator, entry: Actuation) -> list[int]:
+    return [
+        int(model.joint(f"{one.name}/{joint.name}").dofadr[0])
+        for joint in one.compiled.chain.joints
+        if (joint.actuator, joint.channel) == (entry.actuator, entry.axis)
+    ]
+
+
+def _normal_force(model: mujoco.MjModel, state: mujoco.MjData, name: str) -> float:
+    """Return the sum of the normal forces on a manipulator in the last step."""
+    total = 0.0
+    force = np.zeros(6)
+    for index in range(state.ncon):
+        bodies = model.geom_bodyid[state.contact.geom[index]]
+        if any(model.body(int(body)).name.startswith(f"{name}/") for body in bodies):
+            mujoco.mj_contactForce(model, state, index, force)
+            total += force[0]
+    return total
+
+
+def apart(case: Case, ours: float, steps: Sequence[float] = (2 * STEP, STEP)) -> tuple[float, ...]:
+    """Return how far MuJoCo's figure is from ours, relative, at each step."""
+    return tuple(abs(figure(case, step) / ours - 1) for step in steps)

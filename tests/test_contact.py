@@ -1,0 +1,134 @@
+"""A small part of `make contact`: forces, grips and blows against references, and their limits."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from somo_cli.calibration.levers import of_definition
+from tests.conftest import Somo
+from tests.contact import second_opinion
+from tests.contact.candidates import EXPLICIT, PLAIN, Candidate, filters
+from tests.contact.cases import REACH, blocked, box, cases, finger, named, scene_of
+from tests.contact.chatter import shake
+from tests.contact.trial import recorded, trial
+from tests.loading import DEFINITIONS, scene_from_file
+
+pytest.importorskip("pybullet")
+
+FINE = 1e-4  # s
+# of the cases whose figure is converged there; the others are judged by `make contact`
+NAMES = [case.name for case in cases() if not case.is_slow]
+
+
+@cache
+def converged(name: str) -> float:
+    return trial(named(name), FINE, EXPLICIT).figure
+
+
+@pytest.mark.parametrize("step", [2e-3, 1e-3, 5e-4])
+def test_blocked_force_is_that_of_the_closed_form(step: float) -> None:
+    scene = scene_from_file("finger.yaml")
+    compiled = scene.manipulators[0].compiled
+    base = compiled.chain.length - 0.1
+    # the force acts on the middle of the ball, which is beyond the end of the actuator
+    levers = dataclasses.replace(of_definition(compiled.definition, 0, 0), at=REACH - base)
+    found = trial(blocked(), step).figure
+    assert found == pytest.approx(levers.blocked_force(0.005), rel=1e-3)
+    assert found == pytest.approx(trial(blocked(), FINE, EXPLICIT).figure, rel=1e-9)
+
+
+@pytest.mark.parametrize("step", [2e-3, 1e-3])
+def test_two_fingers_hold_a_cube(step: float) -> None:
+    table, _ = recorded(named("cube of 10 g, 2 fingers"), step)
+    grip = table["finger_0.contact.normal_n"][-1]
+    assert grip == pytest.approx(converged("cube of 10 g, 2 fingers"), rel=1e-4)
+    # what it stood on is gone, and it has not sunk
+    assert table["support.pose.x_m"][-1] < -0.18
+    assert abs(table["cube.pose.z_m"][-1]) < 2e-3
+
+
+def test_a_wall_is_struck_as_in_another_engine() -> None:
+    case = named("wall struck, medium")
+    theirs = second_opinion.figure(case, 4e-5)
+    assert trial(case, FINE, EXPLICIT).figure == pytest.approx(theirs, rel=5e-4)
+    assert trial(case, 1e-3).figure == pytest.approx(theirs, rel=3e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NAMES)
+def test_every_case_holds_up_to_2_ms(name: str) -> None:
+    for step in (2e-3, 1e-3):
+        assert trial(named(name), step).figure == pytest.approx(converged(name), rel=0.05), step
+
+
+@pytest.mark.slow
+def test_the_snake_gets_as_far_at_any_step() -> None:
+    case = named("snake on the ground")
+    fine = trial(case, 5e-4).figure
+    for step in (2e-3, 1e-3):
+        assert trial(case, step).figure == pytest.approx(fine, rel=0.1), step
+
+
+@pytest.mark.parametrize(("step", "most"), [(4e-3, 1e-2), (2e-3, 2e-3), (1e-3, 1e-4), (5e-4, 1e-9)])
+@pytest.mark.parametrize("name", ["finger sinks to the ground", "finger dropped"])
+def test_contact_gives_no_energy(name: str, step: float, most: float) -> None:
+    """But for what the engine does to push out what a large step let in."""
+    assert trial(named(name), step).growth < most
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("candidate", list(filters()), ids=lambda one: one.name)
+def test_no_filter_of_the_measured_force_is_worth_it(candidate: Candidate) -> None:
+    """Why the law takes the force as it is: over three blows none takes a tenth off the error."""
+    blows = [case for case in cases() if case.name.startswith("wall struck")]
+    truths = [converged(case.name) for case in blows]
+    own, other = (
+        math.fsum(
+            abs(trial(case, 1e-3, law).figure / truth - 1)
+            for case, truth in zip(blows, truths, strict=True)
+        )
+        for law in (PLAIN, candidate)
+    )
+    assert 0.9 * own < other
+
+
+def test_dampers_far_above_the_inertia_make_a_sliding_finger_shake_at_large_steps() -> None:
+    """A known limit, and its size."""
+    assert 1e-3 < shake(PLAIN, 300, 2e-3) < 3e-2
+    assert shake(PLAIN, 300, 5e-4) < 1e-4
+    assert shake(PLAIN, 30, 2e-3) < 1e-4
+
+
+def written(folder: Path, torque: float) -> Path:
+    wall = box("wall", [0.1, 0.02, 0.1], [0, -0.03, 0.1], fixed=True)
+    scene = scene_of([finger("finger", torque)], [wall], gravity=[0, 0, 0])
+    (folder / "finger.yaml").write_text((DEFINITIONS / "finger.yaml").read_text("utf-8"), "utf-8")
+    path = folder / "scene.json"
+    path.write_text(json.dumps(scene), "utf-8")
+    return path
+
+
+def test_a_run_says_where_contact_was_not_followed(somo: Somo, tmp_path: Path) -> None:
+    done = somo("run", written(tmp_path, 0.1), "--steps", "40", "--time-step", "6e-3", "--quiet")
+    assert done.returncode == 0
+    start = "somo: warning: at 0.024 s 'finger' and 'wall' were 4.7"
+    assert done.stderr.startswith(start)
+    assert "try half the step, --time-step 0.003" in done.stderr
+
+
+def test_a_run_that_contact_throws_off_stops(somo: Somo, tmp_path: Path) -> None:
+    done = somo("run", written(tmp_path, 0.1), "--steps", "40", "--time-step", "2e-2", "--quiet")
+    assert done.returncode == 4
+    assert "it turns" in done.stderr
+    assert "try half the step, --time-step 0.01" in done.stderr
+
+
+def test_a_run_that_follows_contact_says_nothing(somo: Somo, tmp_path: Path) -> None:
+    done = somo("run", written(tmp_path, 0.1), "--steps", "100", "--time-step", "2e-3", "--quiet")
+    assert (done.returncode, done.stderr) == (0, "")
