@@ -192,4 +192,4 @@ def test_a_base_goes_on_against_what_its_links_meet() -> None:
     expected = np.array([path.at(float(time)).position for time in found["time_s"]]) / 20
     pose = np.transpose([found[f"finger.base_pose.{part}"] for part in ("x_m", "y_m", "z_m")])
     assert found["finger.contact.normal_n"].max() > 500
-    assert np.abs(pose - expected).max() < 1e-6
+    assert np.abs(pose - expected).max() < 1e-7
