@@ -11,7 +11,6 @@ from typing import Any
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
-from somo_cli.problems import EngineRefused
 from somo_cli.simulation.bullet_body import BulletBody
 from somo_cli.simulation.bullet_thing import BulletThing
 from somo_cli.simulation.motion import rotation_vector
@@ -20,7 +19,6 @@ from somo_cli.simulation.springs import Array
 
 REDUCTION = 0.2  # seen in 3.2.7: in one step a constraint takes away this much of its error
 STRONGEST = 1e12  # engine units of impulse; a constraint gives way beyond 500 of them
-TURN = 0.3  # rad: the error that is asked for must stay below a quarter turn about the y axis
 
 
 class MovedBody(BulletBody):
@@ -37,13 +35,6 @@ class MovedBody(BulletBody):
         way = geometry.subtract(goal.point(self._com_in_base), centre)
         turned = geometry.multiply(goal.rotation, self._inertial_in_base)
         turn = rotation_vector(geometry.multiply(geometry.transposed(axes), turned))
-        angle = geometry.norm(turn)
-        if not angle < TURN:
-            raise EngineRefused(
-                self._body.name,
-                f"its motion turns the base by {angle:.3g} rad in one step, and it can follow "
-                f"{TURN:g}; take a smaller time step",
-            )
         # a target beyond the goal is good for one step, the goal itself for many
         share = 1.0 if is_at_rest else REDUCTION
         x, y, z = (value / share for value in way)
@@ -98,10 +89,11 @@ class MovedThing(BulletThing):
     def move_to(self, goal: Pose, time_step: float) -> None:
         """Have the frame at this pose after the next step."""
         goal = self.to_engine(goal)
-        position, orientation = self._bullet.getBasePositionAndOrientation(self.index, self._client)
+        centre, orientation = self._bullet.getBasePositionAndOrientation(self.index, self._client)
         axes = geometry.rotation_from_quaternion(orientation)
-        way = geometry.subtract(goal.position, position)
-        # seen in 3.2.7: the pose of a fixed base is advanced by its velocity all the same
+        way = geometry.subtract(goal.position, centre)
+        # seen in 3.2.7: the pose of a fixed base is advanced by its velocity all the same, which
+        # is that of the centre of mass
         turn = rotation_vector(geometry.multiply(goal.rotation, geometry.transposed(axes)))
         self._velocity = (_over(way, time_step), _over(turn, time_step))
         self._bullet.resetBaseVelocity(self.index, *self._velocity, physicsClientId=self._client)

@@ -9,6 +9,7 @@ import numpy as np
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
+from somo_cli.problems import EngineRefused
 from somo_cli.simulation.allowance import Allowance
 from somo_cli.simulation.dynamics import ChainPose
 from somo_cli.simulation.motion import Path, rotation_vector
@@ -16,6 +17,8 @@ from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.runner import STEPS_BETWEEN_LOOKS, Runner
 from somo_cli.simulation.springs import Array
 from somo_cli.simulation.world import WorldMovedBody
+
+TURN = 0.3  # rad in a step: the engine is asked for five times as much, and reads angles by asin
 
 
 class MovedRunner(Runner):
@@ -59,6 +62,7 @@ class MovedRunner(Runner):
             goal = self._path.at(time + self._step)
             self._before, self._after = self._after, self._between(self._goal, goal)
             self._time, self._goal = time, goal
+            self._refuse_to_whirl()
             self._allowance.advance(self._before, self._after)
         self._moved.move_base(self._goal, not self._after.any())
 
@@ -85,6 +89,15 @@ class MovedRunner(Runner):
         turn = geometry.multiply(second.rotation, geometry.transposed(first.rotation))
         way = geometry.subtract(second.point(self._centre), first.point(self._centre))
         return np.array([*rotation_vector(turn), *way]) / self._step
+
+    def _refuse_to_whirl(self) -> None:
+        turn = float(np.linalg.norm(self._after[:3])) * self._step
+        if turn > TURN:
+            raise EngineRefused(
+                self.body.name,
+                f"its motion turns the base by {turn:.3g} rad in the step at {self._time:g} s, and "
+                f"the engine can follow {TURN:g}; take a smaller time step",
+            )
 
     def _pull(self) -> Array:
         """Return the joint torques that the coming acceleration of the base asks for."""

@@ -152,7 +152,7 @@ def test_a_carousel_bends_a_hinge_as_far_as_theory_says() -> None:
 
 def test_what_turns_too_far_in_a_step_is_refused() -> None:
     fast = {"rotation": [[0, 0, 0, 0], [0.1, 50, 0, 0]]}
-    with pytest.raises(EngineRefused, match=r"turns the base by .* rad in one step"):
+    with pytest.raises(EngineRefused, match=r"turns the base by .* rad in the step at"):
         rows_of(finger(fast, 4e-3), 25)
 
 
@@ -172,3 +172,24 @@ def test_limits_and_dry_friction_in_a_shaken_frame() -> None:
     limited, held = found[:, 0], found[:, -1]
     assert np.abs(limited).max() == pytest.approx(0.05, abs=1e-3)
     assert np.abs(held).max() < 1e-3
+
+
+def test_a_base_goes_on_against_what_its_links_meet() -> None:
+    # the base itself strikes a block of 10 kg, with two thousand newtons
+    block = {"name": "block", "shape_type": "box", "dimensions": [0.1, 0.05, 0.2], "mass": 10}
+    way = {"translation": [[0, 0, 0, 0], [0.3, 0, 0.1, 0]]}
+    one = {"definition": "finger.yaml", "base": "constrained", "position": [0, 0, 0.01]}
+    data = {
+        "ground": {},
+        "manipulators": [{**one, "motion": way}],
+        "objects": [{**block, "position": [0, 0.06, 0], "place": {"on": "ground"}}],
+        "record": {"columns": ["base_pose", "contact_force"]},
+    }
+    scene = scene_from_text(json.dumps(data))
+    found = table(scene, 0.4)
+    path = make_plan(scene).bodies[0].path
+    assert path is not None
+    expected = np.array([path.at(float(time)).position for time in found["time_s"]]) / 20
+    pose = np.transpose([found[f"finger.base_pose.{part}"] for part in ("x_m", "y_m", "z_m")])
+    assert found["finger.contact.normal_n"].max() > 500
+    assert np.abs(pose - expected).max() < 1e-7
