@@ -99,12 +99,12 @@ def run(
     terminal.say_problems(warnings, document.texts)
     if record:
         planned = picking(planned, record)
-    loading.refuse_overlaps(document, planned)
     target = output or f"{Path(scene).stem}.csv"
     refuse_overwriting(document, target)
     targets = target, target_of_events(planned, target, events)
     if targets[1] is not None:
         refuse_overwriting(document, targets[1], "--events")
+    loading.refuse_overlaps(document, planned)
     _simulate(planned, document, steps, targets, sets or [], with_error, quiet)
 
 

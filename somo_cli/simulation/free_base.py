@@ -8,7 +8,7 @@ import numpy as np
 
 from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.runner import Runner
-from somo_cli.simulation.springs import Array
+from somo_cli.simulation.springs import Array, carried_on
 from somo_cli.simulation.world import WorldBody
 
 
@@ -25,6 +25,7 @@ class FreeRunner(Runner):
     def __init__(self, plan: Plan, body: Body, world_body: WorldBody) -> None:
         self._spin: Array = np.array(body.start.angular_velocity)
         self._previous_spin = self._spin
+        self._turned: Array = np.zeros(3)  # by how much the spin changed in the last step
         # of the loads: on the base, in its own axes, and on the joints beyond what the law knows
         self._wrench: Array = np.zeros(6)
         self._beyond: Array = np.zeros(len(body.chain.joints))
@@ -34,6 +35,7 @@ class FreeRunner(Runner):
         """Take the force measured at the start, and let the spin half a step on be the start's."""
         super().begin(force, rates)
         self._previous_spin = 3 * self._spin - 2 * np.array(self.body.start.angular_velocity)
+        self._turned = self._spin - self._previous_spin
 
     def _make_pull(self) -> Callable[[], None]:
         pull_joints = super()._make_pull()
@@ -70,7 +72,10 @@ class FreeRunner(Runner):
     def _push_corrected(self) -> None:
         law, world = self.law, self.world_body
         angles = law.angles.tolist()
-        coming_spin = (1.5 * self._spin - 0.5 * self._previous_spin).tolist()
+        turned = self._spin - self._previous_spin
+        if law.can_be_struck:
+            turned, self._turned = carried_on(turned, self._turned), turned
+        coming_spin = (self._spin + 0.5 * turned).tolist()
         present = world.bias(angles, law.rates.tolist(), self._spin.tolist())
         change: Array = np.zeros_like(present)
 

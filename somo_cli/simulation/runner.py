@@ -49,6 +49,7 @@ class Runner:
         self.body = body
         self.world_body = world_body
         self.law = SpringLaw(springs, plan.time_step, plan.integrator)
+        self.law.can_be_struck = plan.can_touch
         self.loads = BodyLoads(body, world_body.base_pose) if body.loads else None
         self.actuation: Array = np.zeros(len(joints)) if body.loads else self.law.actuation
         """Torques of the actuation alone; to the law, loads are actuation too."""

@@ -13,6 +13,7 @@ import numpy as np
 
 from somo_cli.simulation.scene import Quantity, Scene
 from tests.loading import scene_from_text
+from tests.manipulator.bodies import actuator, hinge, manipulator
 
 Table = Mapping[str, np.ndarray]
 Data = dict[str, Any]
@@ -202,6 +203,29 @@ def snake() -> Case:
     )
 
 
+def curled() -> Case:
+    """A finger of twelve joints rolls up by more than a turn, until it meets its own base."""
+    link = {"shape_type": "box", "dimensions": [0.02, 0.01, 0.02], "mass": 0.01}
+    joint = hinge(1, 0, 0, spring_stiffness=0.05, spring_damping=0.02, limits=[-3, 3, 10, 10])
+    one = {
+        "definition": manipulator(actuator(12, joint, link=link), world_scale=20),
+        "actuation": [{"actuator": 0, "axis": 0, "waypoints": [[0, 0], [0.75, 0.04]]}],
+        "self_collision": True,
+    }
+    return Case(
+        "curled onto its base",
+        "how far its joints have turned together [rad]",
+        scene_of([one], gravity=[0, 0, 0]),
+        1.0,
+        lambda table: float(
+            sum(values[-1] for name, values in table.items() if name.endswith(".angle_rad"))
+        ),
+        columns=("joint_angles",),
+        is_slow=True,
+        finest=5e-5,
+    )
+
+
 def dropped() -> Case:
     """A finger is dropped on the ground, lying and turned a little."""
     one = finger("finger", position=[0, 0, 0.05], rpy=[LEVEL + 0.2, 0.1, 0], base="free")
@@ -243,6 +267,7 @@ def cases() -> tuple[Case, ...]:
         held(0.01, 4, 0.02),
         dragged(),
         snake(),
+        curled(),
         toppled(),
         dropped(),
     )

@@ -33,6 +33,7 @@ def shake(candidate: Candidate, dampers: float, step: float) -> float:
     The most of any joint in the second half; the torque is larger for the larger dampers.
     """
     data = dragged().data
+    data["manipulators"][0]["surface"] = {"friction": 0.5}  # with more it sticks
     data["manipulators"][0]["actuation"][0]["waypoints"] = [[0, 0.04 * max(1, dampers / 30)]]
     joint = "manipulators[0].definition.actuator_definitions[0].joint_definitions"
     sets = [

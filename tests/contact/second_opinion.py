@@ -109,7 +109,7 @@ def _set_springs(model: mujoco.MjModel, one: Manipulator) -> None:
 
 
 def _set_contact(model: mujoco.MjModel, scene: Scene) -> None:
-    own = scene.manipulators[0].surface.friction
+    own = scene.manipulators[0].surfaces.links.friction
     surfaces = {thing.name: thing.surface.friction for thing in scene.things}
     if scene.ground is not None:
         surfaces["ground"] = scene.ground.surface.friction

@@ -11,7 +11,7 @@ from somo_cli.simulation import surface
 from somo_cli.simulation.plan import make_plan
 from somo_cli.simulation.surface import Compliance, Ground, Surface
 from tests.loading import scene_from_text
-from tests.manipulator.bodies import X, actuator, manipulator
+from tests.manipulator.bodies import X, actuator, chain_of, manipulator
 
 EVERYTHING = {
     "friction": 0.4,
@@ -36,7 +36,8 @@ def test_a_surface_is_read_with_all_it_says() -> None:
 
 def test_parts_of_a_manipulator_change_what_they_name() -> None:
     found = surface.surfaces({**EVERYTHING, "base": {"friction": 2}, "tips": {"restitution": 0}})
-    ends = [found.of(link, 4) for link in range(4)]
+    chain = chain_of(manipulator(actuator(3, X)))
+    ends = [found.of(link, chain) for link in range(4)]
     assert ends[1] == ends[2] == WHOLE
     assert (ends[0].friction, ends[0].restitution) == (2.0, 0.3)
     assert (ends[3].friction, ends[3].restitution) == (0.4, 0.0)

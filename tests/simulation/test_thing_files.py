@@ -24,7 +24,13 @@ URDF = """<robot name="r"><link name="a">
 """
 OBJECTS = [
     {"name": "one", "shape_type": "mesh", "mesh": "meshes/box.stl", "mass": 1},
-    {"name": "two", "shape_type": "mesh", "mesh": ["meshes/box.obj"], "mass": 1},
+    {
+        "name": "two",
+        "shape_type": "mesh",
+        "mesh": ["meshes/box.obj"],
+        "mass": 1,
+        "position": [-5, 0, 0],
+    },
     {"name": "three", "shape_type": "urdf", "urdf": "urdf/r.urdf", "position": [5, 0, 0]},
 ]
 
