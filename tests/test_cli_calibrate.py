@@ -378,7 +378,7 @@ def test_a_scene_is_not_calibrated(somo: Somo, here: Path) -> None:
 
 def test_a_scene_of_several_is_not_fitted(somo: Somo, here: Path) -> None:
     text = (here / "scene.yaml").read_text("utf-8")
-    two = "  - {definition: finger.yaml, name: other}\nrecord:"
+    two = "  - {definition: finger.yaml, name: other, position: [1, 0, 0]}\nrecord:"
     (here / "scene.yaml").write_text(text.replace("record:", two), "utf-8")
     (here / "m.csv").write_text(RING, "utf-8")
     for command in (FIT, ("calibrate", "damping", "scene.yaml", "--ratio", "0.1")):

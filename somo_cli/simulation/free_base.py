@@ -8,7 +8,7 @@ import numpy as np
 
 from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.runner import Runner
-from somo_cli.simulation.springs import Array, carried_on
+from somo_cli.simulation.springs import SUDDEN, Array, carried_on
 from somo_cli.simulation.world import WorldBody
 
 
@@ -74,7 +74,7 @@ class FreeRunner(Runner):
         angles = law.angles.tolist()
         turned = self._spin - self._previous_spin
         if law.can_be_struck:
-            turned, self._turned = carried_on(turned, self._turned), turned
+            turned, self._turned = carried_on(turned, self._turned, SUDDEN / law.time_step), turned
         coming_spin = (self._spin + 0.5 * turned).tolist()
         present = world.bias(angles, law.rates.tolist(), self._spin.tolist())
         change: Array = np.zeros_like(present)

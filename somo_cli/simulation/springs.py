@@ -40,7 +40,8 @@ median of three, a running mean, dropping or capping the change, of all of f or 
 alone, made errors after blows larger or no smaller, and failed at steps at which this holds; the
 bench in tests/contact shows it. Only the half step h/2 a of the bias forces must not go on with a
 blow: these are quadratic, and a long chain falling on the ground took up 76 times the energy that
-it had. Where bodies can touch, an a of more than twice the last one, or against it, is limited.
+it had. Where bodies can touch, an a that would turn a joint far within a step, and is more than
+twice the last one or against it, is limited.
 
 Where joints would pass their limits in the coming step, a and τ get what torques λ on them do,
 (M + B)⁻¹ λ and (1 - B (M + B)⁻¹) λ: see `stops`.
@@ -71,7 +72,8 @@ Array: TypeAlias = npt.NDArray[np.float64]
 BETA = 1 / 12  # of the spring in modes that the step resolves; Cowell's method
 STIFF = 5 / 12  # what is added to it in modes that the step does not resolve: 1/2 in all
 DAMPER = 1 / 12  # of x² in B: Padé
-BLOW = 2.0  # times the change of the step before: a larger one is a blow's, or a quick start's
+BLOW = 2.0  # times the change of the step before: a larger one is a blow's
+SUDDEN = 5e-3  # rad: what a rate's change in a step, times the step, is below in smooth motion
 FILTER = 0.02  # ε: modes with h ω beyond 1/√ε are damped by the method
 
 
@@ -91,13 +93,17 @@ class Springs:
         return -self.stiffness * (angles - self.neutral) - self.damping * rates
 
 
-def carried_on(change: Array, before: Array) -> Array:
+def carried_on(change: Array, before: Array, small: float) -> Array:
     """Return what of a change in the last step may be taken to go on, from that in the step before.
 
-    All of it in smooth motion; what a blow has added is limited, number by number (a minmod).
+    All of it up to `small`, and in smooth motion; what a blow has added is limited, number by
+    number (a minmod).
     """
-    ahead: Array = np.sign(change) * np.minimum(np.abs(change), BLOW * np.abs(before))
-    return np.where(change * before > 0, ahead, 0.0)
+    if float(np.abs(change).max()) <= small:
+        return change
+    ahead = np.sign(change) * np.minimum(np.abs(change), BLOW * np.abs(before))
+    limited = np.where(change * before > 0, ahead, 0.0)
+    return np.where(np.abs(change) > small, limited, change)
 
 
 class SpringLaw:
@@ -293,7 +299,7 @@ class SpringLaw:
         coming = acceleration if stopping is None else acceleration + self._response.dot(stopping)
         if self.can_be_struck:
             last, self._last_coming = self._last_coming, coming.copy()
-            coming = coming if last is None else carried_on(coming, last)
+            coming = coming if last is None else carried_on(coming, last, SUDDEN / h**2)
         self.correction = bias - bias_at(rates + 0.5 * h * coming)
         acceleration += self._response.dot(self.correction)
         own += self.correction

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from somo_cli.simulation.springs import Array, SpringLaw, Springs, carried_on
+from somo_cli.simulation.springs import SUDDEN, Array, SpringLaw, Springs, carried_on
 
 H = 1e-2
 RANDOM = np.random.default_rng(7)
@@ -182,9 +182,10 @@ def test_the_limits_are_those_of_backward_euler() -> None:
 
 
 def test_a_change_goes_on_but_for_what_a_blow_has_added() -> None:
-    change = np.array([1.0, -1.0, 3.0, -3.0, 1.0, 1.0, 0.0])
+    change = np.array([1.0, -1.0, 3.0, -3.0, 1.0, 1.0, 0.1])
     before = np.array([0.9, -2.0, 1.0, -1.0, -1.0, 0.0, 1.0])
-    assert carried_on(change, before).tolist() == [1.0, -1.0, 2.0, -2.0, 0.0, 0.0, 0.0]
+    assert carried_on(change, before, 0.2).tolist() == [1.0, -1.0, 2.0, -2.0, 0.0, 0.0, 0.1]
+    assert carried_on(change, before, 3.0) is change
 
 
 @pytest.mark.parametrize(("can_be_struck", "expected"), [(False, 20.0), (True, 2.0)])
@@ -198,7 +199,8 @@ def test_bias_forces_go_on_with_no_blow(can_be_struck: bool, expected: float) ->
         asked.append(float(rates[0]))
         return np.zeros(1)
 
-    for force in (1.0, 1.0, 20.0):
+    sudden = SUDDEN / H**2
+    for force in (2 * sudden, 2 * sudden, 40 * sudden):
         law.measure(np.array([force]), np.zeros(1))
         law.correct(np.zeros(1), bias_at)
     assert asked[2] / asked[1] == pytest.approx(expected)
