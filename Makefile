@@ -47,7 +47,7 @@ demo: sync ## compile the finger, simulate it for 2000 steps, show where its tip
 	  NR <= 2 { print row } END { print row }' build/finger.csv
 
 test: sync ## run the tests
-	$(RUN) pytest
+	$(RUN) pytest -n auto --maxprocesses 8
 
 test-all: ## run the tests, but for the slow ones, on every Python from 3.10 to 3.13 that is found
 	@for version in $(VERSIONS); do \

@@ -25,7 +25,7 @@ from somo_cli.simulation.bullet_thing import BulletThing
 from somo_cli.simulation.c_library import captured_output, decimal_points, duplicate, flush_c
 from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.surface import Ground, Surface
-from somo_cli.simulation.touching import Place, Touch
+from somo_cli.simulation.touching import Place, Touch, rub
 
 GROUND_REACH = 1000.0  # engine units, from the origin
 GROUND_DEPTH = 20.0  # engine units: what falls faster than this in a step passes through
@@ -45,6 +45,7 @@ class BulletWorld:
         self.step: Callable[[], object] = self._refuse
         self._places: dict[tuple[int, int], Place] = {}  # of the engine's bodies and links
         self._grounds: list[int] = []
+        self._grip: BulletGrip | None = None  # where friction depends on the direction
 
     def __enter__(self) -> BulletWorld:
         """Load every body; until `close`, what the engine prints goes to standard error."""
@@ -85,12 +86,12 @@ class BulletWorld:
             self._stdout = None
 
     def touches(self) -> list[Touch]:
-        """Return every contact point of the last step, in the engine's order."""
+        """Return every contact point of the last step, in the engine's order, then what is ours."""
         # seen in 3.2.7: asked for one body, the engine turns the normals of those contacts in which
         # that body is the second one, and not the forces of friction; asked for all it turns none
         told = self._bullet.getContactPoints(physicsClientId=self._client)
         places = self._places
-        return [
+        found = [
             Touch(
                 places[one[1], one[3]],
                 places[one[2], one[4]],
@@ -101,6 +102,10 @@ class BulletWorld:
             )
             for one in told
         ]
+        if self._grip is not None:
+            for key, point, force in self._grip.rubs:
+                found.append(rub(places[key[:2]], places[key[2:]], point, force))
+        return found
 
     def penetrations(self) -> list[tuple[Place, Place, float]]:
         """Return which parts were how deep in each other in the last step; depths above 0 only."""
@@ -195,7 +200,8 @@ class BulletWorld:
         if ground is not None and self._plan.ground is not None:
             found.append((ground, -1, self._plan.ground.surface, None))
         skins = [Skin.of(self._bullet, self._client, *one) for one in found]
-        act = BulletGrip(self._bullet, self._client, self._plan.time_step, skins).act
+        self._grip = BulletGrip(self._bullet, self._client, self._plan.time_step, skins)
+        act = self._grip.act
 
         def step_with_grip() -> None:
             act()

@@ -85,6 +85,8 @@ class BulletGrip:
         self._client = client
         self._grip = Grip(time_step)
         self._skins: Mapping[tuple[int, int], Skin] = {(one.body, one.link): one for one in skins}
+        self.rubs: list[tuple[Key, Sequence[float], list[float]]] = []
+        """What was applied for the last step: to which links, where, the force on the first."""
         self._bodies = sorted({one.body for one in skins if one.surface.anisotropy is not None})
         self._factors: Mapping[tuple[int, int], Array] = {
             place: one.axes @ np.diag(one.surface.anisotropy) @ one.axes.T
@@ -95,6 +97,7 @@ class BulletGrip:
     def act(self) -> None:
         """Apply the friction for the coming step to all that touch."""
         contacts = list(self._contacts())
+        self.rubs = []
         if not contacts:
             self._grip.let_go()
             return
@@ -115,6 +118,7 @@ class BulletGrip:
         for key, point, other, force in zip(
             keys, points.tolist(), others.tolist(), forces, strict=True
         ):
+            self.rubs.append((key, point, force.tolist()))
             self._push(key[:2], force, point)
             self._push(key[2:], -force, other)
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple, TypeAlias
 
+from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 
 Place: TypeAlias = tuple[int, int]
@@ -26,6 +27,14 @@ class Touch(NamedTuple):
     normal: Vector
     pressed: float
     rubs: tuple[tuple[Vector, float], tuple[Vector, float]]
+
+
+def rub(first: Place, second: Place, point: Sequence[float], force: Sequence[float]) -> Touch:
+    """Return a friction by itself, whose normal force another contact point has."""
+    size = geometry.norm(geometry.vector(force))
+    x, y, z = (part / size if size > 0 else 0.0 for part in force)
+    rubs = ((x, y, z), size), (geometry.ZERO, 0.0)
+    return Touch(first, second, geometry.vector(point), geometry.ZERO, 0.0, rubs)
 
 
 class Load(NamedTuple):

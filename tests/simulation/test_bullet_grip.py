@@ -85,3 +85,16 @@ def test_the_same_bytes_twice() -> None:
     scene = {"ground": {}, "manipulators": [{**one, "base": "free", "surface": surface}]}
     text = json.dumps(scene)
     assert rows_of(scene_from_text(text), 400) == rows_of(scene_from_text(text), 400)
+
+
+def test_it_is_among_the_forces_that_are_recorded() -> None:
+    cube = {**CUBE, "anisotropic_friction": [0.5, 1, 1]}
+    record = {"objects": ["pose", "velocity", "contact_force", "contact_pairs"]}
+    scene = with_cubes(cube, record=record)
+    before, row = (last_row(scene, 1e-3, time) for time in (0.049, 0.051))
+    force = 0.01 * (row["cube.velocity.x_m_per_s"] - before["cube.velocity.x_m_per_s"]) / 2e-3
+    assert force < -0.02
+    assert row["cube.contact.fx_n"] == pytest.approx(force, rel=1e-3)
+    assert row["cube.contact.ground.friction_x_n"] == row["cube.contact.fx_n"]
+    assert row["cube.contact.ground.friction_n"] == pytest.approx(-force, rel=1e-3)
+    assert row["cube.contact.normal_n"] == pytest.approx(0.01 * 9.81, rel=1e-3)
