@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from somo_cli.calibration.levers import of_definition
+from somo_cli.problems import SimulationDiverged
 from tests.conftest import Somo
 from tests.contact import second_opinion
 from tests.contact.candidates import EXPLICIT, PLAIN, Candidate, filters
@@ -82,16 +83,26 @@ def test_contact_gives_no_energy(name: str, step: float, most: float) -> None:
     assert trial(named(name), step).growth < most
 
 
+def snake_that_falls_on_its_end() -> Case:
+    snake = {"definition": "snake.yaml", "base": "free", "position": [0, 0, 0.25]}
+    scene = scene_of([snake | {"rpy": [0.4, 0.9, 0]}], ground={})
+    return Case("snake falls", "", scene, 0.3, lambda table: 0.0, columns=("energy",))
+
+
 @pytest.mark.slow
 def test_a_snake_that_falls_on_its_end_takes_up_no_energy() -> None:
     """Its light links spin at once; bias forces that go on with such a blow made it 77 times E."""
-    snake = {"definition": "snake.yaml", "base": "free", "position": [0, 0, 0.25]}
-    scene = scene_of([snake | {"rpy": [0.4, 0.9, 0]}], ground={})
-    case = Case("snake falls", "", scene, 0.3, lambda table: 0.0, columns=("energy",))
-    table, _ = recorded(case, 1e-3)
+    table, _ = recorded(snake_that_falls_on_its_end(), 1e-3)
     energy = sum(values for name, values in table.items() if name.endswith("_j"))
     assert energy.max() <= energy[0] * (1 + 1e-9)
     assert energy[-1] < 0.9 * energy[0]
+
+
+@pytest.mark.parametrize("step", [4e-3, 2e-3])
+def test_a_snake_that_is_thrown_up_by_its_fall_is_noticed(step: float) -> None:
+    """Though it flies away as a whole, faster than its joints move."""
+    with pytest.raises(SimulationDiverged, match="times what was put in"):
+        recorded(snake_that_falls_on_its_end(), step)
 
 
 @pytest.mark.slow

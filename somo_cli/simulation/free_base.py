@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from somo_cli.manipulator import geometry
 from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.runner import Runner
 from somo_cli.simulation.springs import SUDDEN, Array, carried_on
@@ -52,6 +53,18 @@ class FreeRunner(Runner):
         felt = self.world_body.felt_by_joints(own)
         np.add(self.actuation, felt, self.law.actuation)
         self._wrench, self._beyond = own[:6], own[6:] - felt
+
+    def _account(self) -> None:
+        super()._account()
+        law, base = self.law, self.world_body.base_pose()
+        if not law.can_be_struck:
+            moved = geometry.subtract(base.position, self.body.start.position)
+            self.energy.let_base_fall(geometry.norm(moved))
+            return
+        pose = self.dynamics().at(law.angles, base)
+        velocity, spin = self.world_body.base_velocity()
+        kinetic = pose.kinetic_energy([*spin, *velocity, *law.rates])
+        self.energy.take_whole(kinetic, pose.gravity_energy(self._gravity))
 
     def apply(self, torques: Sequence[float]) -> None:
         """Apply torques of the law, and what of the loads the law cannot know."""

@@ -10,7 +10,6 @@ from functools import partial
 
 import numpy as np
 
-from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.simulation.dynamics import ChainDynamics, ChainPose
 from somo_cli.simulation.loads import BodyLoads
@@ -195,10 +194,6 @@ class Runner:
         if self.loads is not None:
             energy.give(self.loads.work(law.angles))
         energy.update(law.angles, law.rates, self.actuation, self.mass)
-        if self.body.base == "free":
-            start = self.body.start.position
-            moved = geometry.subtract(self.world_body.base_pose().position, start)
-            energy.let_base_fall(geometry.norm(moved))
 
     def refresh_if_moved(self) -> None:
         """Renew the mass matrix if it is that of angles too far from the present ones."""

@@ -29,16 +29,21 @@ class BodyEnergy:
     The bound is the energy at the start, the work of actuation and loads, and what gravity can give
     at most, with everything stretched out and falling over once. `floor` is an energy too small to
     speak of: every spring deflected by a small angle.
+
+    Where `take_whole` is told of a free body, its base counts too, and what gravity has given: a
+    body that contact throws far away is not to be taken for one that has fallen far.
     """
 
     def __init__(self, body: Body, springs: Springs, gravity: Sequence[float]) -> None:
-        self.present = 0.0
+        self.present = self.elastic = 0.0
         self.floor = float(0.5 * springs.stiffness.sum() * SMALL_ANGLE**2)
         self._springs = springs
         self._weight = geometry.norm((gravity[0], gravity[1], gravity[2]))
         self._mass = sum(link.inertial.mass for link in body.chain.links)
         self._given = _energy_of_base(body) + self._weight * _fall(body)
         self._base_fall = 0.0
+        self._start: tuple[float, float] | None = None  # of the whole: all of it, that in gravity
+        self._fallen = 0.0
         self._has_begun = False
         self._work = 0.0
         self._most_work = 0.0
@@ -47,7 +52,9 @@ class BodyEnergy:
 
     @property
     def bound(self) -> float:
-        """The most energy the joints and springs can have."""
+        """The most energy the joints and springs can have; of a whole body, all of it."""
+        if self._start is not None:
+            return self._start[0] + self._most_work + self._fallen
         return self._given + self._most_work + self._base_fall
 
     def update(self, angles: Array, rates: Array, actuation: Array, mass: Array) -> None:
@@ -55,7 +62,8 @@ class BodyEnergy:
         springs = self._springs
         deflection = angles - springs.neutral
         deflection *= deflection
-        self.present = 0.5 * float(rates.dot(mass.dot(rates)) + springs.stiffness.dot(deflection))
+        self.elastic = 0.5 * float(springs.stiffness.dot(deflection))
+        self.present = 0.5 * float(rates.dot(mass.dot(rates))) + self.elastic
         if self._has_begun:
             mean = actuation + self._actuation
             self._work += 0.5 * float(mean.dot(angles - self._angles))
@@ -65,6 +73,13 @@ class BodyEnergy:
             self._has_begun = True
         self._angles[:] = angles
         self._actuation[:] = actuation
+
+    def take_whole(self, kinetic: float, gravity: float) -> None:
+        """Take the energies of a whole free body, after `update`: of motion, and in gravity."""
+        self.present = kinetic + self.elastic
+        if self._start is None:
+            self._start = self.present, gravity
+        self._fallen = max(self._fallen, self._start[1] - gravity)
 
     def give(self, work: float) -> None:
         """Add work of external loads, on base and joints; `update` comes next."""

@@ -55,3 +55,38 @@ def test_a_chain_that_does_not_meet_itself_feels_nothing(link: Data, torque: flo
     free, able = (finger(link, torque, collides, 6) for collides in (False, True))
     for name, column in free.items():
         assert (able[name] == column).all(), name
+
+
+def test_limbs_that_bend_towards_each_other_meet() -> None:
+    """Two fingers 6 cm apart, whose tips would pass each other."""
+    limb = manipulator(actuator(4, JOINT, link=LINK))
+    assembly = {
+        "assembly_name": "pair",
+        "world_scale": 20,
+        "body_definition": {"shape_type": "box", "dimensions": [0.02, 0.1, 0.02], "mass": 0.1},
+        "limbs": [
+            {"name": "left", "definition": limb, "position": [0, -0.03, 0.02]},
+            {"name": "right", "definition": limb, "position": [0, 0.03, 0.02]},
+        ],
+    }
+    apart = []
+    for collides in (False, True):
+        drives = [("left", -0.03), ("right", 0.03)]
+        one = {
+            "definition": assembly,
+            "actuation": [
+                {"limb": name, "actuator": 0, "axis": 0, "waypoints": [[0, 0], [0.5, torque]]}
+                for name, torque in drives
+            ],
+            "self_collision": collides,
+        }
+        scene = {
+            "gravity": [0, 0, 0],
+            "manipulators": [one],
+            "record": {"columns": ["tip_position"]},
+        }
+        plan = make_plan(scene_from_text(json.dumps(scene)))
+        row = dict(zip(columns.header(plan), rows_of(plan, 1000)[-1], strict=True))
+        apart.append(row["pair.right_tip.y_m"] - row["pair.left_tip.y_m"])
+    assert apart[0] < -0.01
+    assert apart[1] > 0
