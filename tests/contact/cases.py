@@ -206,7 +206,7 @@ def snake() -> Case:
 def curled() -> Case:
     """A finger of twelve joints rolls up by more than a turn, until it meets its own base."""
     link = {"shape_type": "box", "dimensions": [0.02, 0.01, 0.02], "mass": 0.01}
-    joint = hinge(1, 0, 0, spring_stiffness=0.05, spring_damping=0.02, limits=[-3, 3, 10, 10])
+    joint = hinge(1, 0, 0, spring_stiffness=0.05, spring_damping=5e-4, limits=[-3, 3, 10, 10])
     one = {
         "definition": manipulator(actuator(12, joint, link=link), world_scale=20),
         "actuation": [{"actuator": 0, "axis": 0, "waypoints": [[0, 0], [0.75, 0.04]]}],
