@@ -25,15 +25,15 @@ def faults(document: Document, objects: list[Any], is_sound: IsSound) -> Iterato
         if name in names:
             on[item["name"]] = name
         elif name != GROUND:
-            yield Problem(document.span(at), f"there is no object '{name}'", _known(name, names))
+            yield Problem(document.span(at), f"there is no object '{name}'", _known(name, names, has_ground))
         elif not has_ground:
             message = "there is no ground to stand on"
             yield Problem(document.span(at), message, "add ground: {}, or name an object")
     yield from _circles(document, objects, on)
 
 
-def _known(name: str, names: list[str]) -> str:
-    known = [GROUND, *names]
+def _known(name: str, names: list[str], has_ground: bool) -> str:
+    known = [GROUND, *names] if has_ground else names
     close = get_close_matches(str(name), map(str, known), 1, 0.7)
     return f"did you mean '{close[0]}'?" if close else f"there are {', '.join(map(str, known))}"
 
