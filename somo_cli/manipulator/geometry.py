@@ -199,3 +199,12 @@ def principal_moments(tensor: Tensor) -> Vector:
     largest = mean + 2 * deviation * math.cos(angle)
     smallest = mean + 2 * deviation * math.cos(angle + 2 * math.pi / 3)
     return (smallest, 3 * mean - largest - smallest, largest)
+
+
+def rotation_vector(rotation: Matrix) -> Vector:
+    """Return axis times angle [rad], 0 to π, of a rotation."""
+    x, y, z, w = quaternion_from_rotation(rotation)
+    sine = math.hypot(x, y, z)
+    # a sine this small is its angle to rounding
+    factor = 2.0 if sine < 1e-8 else 2 * math.atan2(sine, w) / sine
+    return (factor * x, factor * y, factor * z)

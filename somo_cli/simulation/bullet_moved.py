@@ -13,7 +13,6 @@ from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.bullet_body import BulletBody
 from somo_cli.simulation.bullet_thing import BulletThing
-from somo_cli.simulation.motion import rotation_vector
 from somo_cli.simulation.plan import Body, PlannedThing
 from somo_cli.simulation.springs import Array
 
@@ -34,7 +33,7 @@ class MovedBody(BulletBody):
         axes = geometry.rotation_from_quaternion(orientation)
         way = geometry.subtract(goal.point(self._com_in_base), centre)
         turned = geometry.multiply(goal.rotation, self._inertial_in_base)
-        turn = rotation_vector(geometry.multiply(geometry.transposed(axes), turned))
+        turn = geometry.rotation_vector(geometry.multiply(geometry.transposed(axes), turned))
         # a target beyond the goal is good for one step, the goal itself for many
         share = 1.0 if is_at_rest else REDUCTION
         x, y, z = (value / share for value in way)
@@ -94,7 +93,7 @@ class MovedThing(BulletThing):
         way = geometry.subtract(goal.position, centre)
         # seen in 3.2.7: the pose of a fixed base is advanced by its velocity all the same, which
         # is that of the centre of mass
-        turn = rotation_vector(geometry.multiply(goal.rotation, geometry.transposed(axes)))
+        turn = geometry.rotation_vector(geometry.multiply(goal.rotation, geometry.transposed(axes)))
         self._velocity = (_over(way, time_step), _over(turn, time_step))
         self._bullet.resetBaseVelocity(self.index, *self._velocity, physicsClientId=self._client)
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.dimensions import Angle, Length, Position, Time
-from somo_cli.manipulator.geometry import Matrix, Vector
+from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation import signal
 from somo_cli.simulation.signal import Signal
@@ -109,14 +108,6 @@ def through(
         for axis in (1, 2, 3)
     )
     return x, y, z
-
-
-def rotation_vector(rotation: Matrix) -> Vector:
-    """Return axis times angle [rad], at most π long, of a rotation."""
-    x, y, z, w = geometry.quaternion_from_rotation(rotation)
-    sine = math.hypot(x, y, z)
-    scale = 2 * math.atan2(sine, w) / sine if sine > 0 else 0.0
-    return (scale * x, scale * y, scale * z)
 
 
 def _extended(one: Signal, time: float) -> float:

@@ -12,7 +12,7 @@ from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import EngineRefused
 from somo_cli.simulation.allowance import Allowance
 from somo_cli.simulation.dynamics import ChainPose
-from somo_cli.simulation.motion import Path, rotation_vector
+from somo_cli.simulation.motion import Path
 from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.runner import STEPS_BETWEEN_LOOKS, Runner
 from somo_cli.simulation.springs import Array
@@ -88,7 +88,7 @@ class MovedRunner(Runner):
         """Return the velocity that leads from one pose of the base to the next in a step."""
         turn = geometry.multiply(second.rotation, geometry.transposed(first.rotation))
         way = geometry.subtract(second.point(self._centre), first.point(self._centre))
-        return np.array([*rotation_vector(turn), *way]) / self._step
+        return np.array([*geometry.rotation_vector(turn), *way]) / self._step
 
     def _refuse_to_whirl(self) -> None:
         turn = float(np.linalg.norm(self._after[:3])) * self._step

@@ -9,7 +9,7 @@ import numpy as np
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.allowance import Allowance
-from somo_cli.simulation.motion import Path, rotation_vector
+from somo_cli.simulation.motion import Path
 from somo_cli.simulation.plan import Plan, PlannedThing
 from somo_cli.simulation.springs import Array
 from somo_cli.simulation.world import WorldMovedThing
@@ -57,4 +57,4 @@ class ThingMover:
     def _between(self, first: Pose, second: Pose) -> Array:
         turn = geometry.multiply(second.rotation, geometry.transposed(first.rotation))
         way = geometry.subtract(second.position, first.position)
-        return np.array([*rotation_vector(turn), *way]) / self._step
+        return np.array([*geometry.rotation_vector(turn), *way]) / self._step

@@ -25,7 +25,9 @@ def faults(document: Document, objects: list[Any], is_sound: IsSound) -> Iterato
         if name in names:
             on[item["name"]] = name
         elif name != GROUND:
-            yield Problem(document.span(at), f"there is no object '{name}'", _known(name, names, has_ground))
+            yield Problem(
+                document.span(at), f"there is no object '{name}'", _known(name, names, has_ground)
+            )
         elif not has_ground:
             message = "there is no ground to stand on"
             yield Problem(document.span(at), message, "add ground: {}, or name an object")

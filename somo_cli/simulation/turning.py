@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import math
-
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Matrix, Vector
-
-_SMALL = 1e-8  # rad of half an angle, below which a sine is its angle to rounding
 
 
 class TurnCounter:
@@ -31,12 +27,4 @@ class TurnCounter:
     def at(self, rotation: Matrix) -> Vector:
         """Return how far it has turned if it is here now; this counts nothing."""
         change = geometry.multiply(rotation, geometry.transposed(self._last))
-        return geometry.add(self._turned, rotation_vector(change))
-
-
-def rotation_vector(rotation: Matrix) -> Vector:
-    """Return axis times angle [rad], 0 to π, of a rotation."""
-    x, y, z, w = geometry.quaternion_from_rotation(rotation)
-    sine = math.hypot(x, y, z)
-    factor = 2.0 if sine < _SMALL else 2 * math.atan2(sine, w) / sine
-    return (factor * x, factor * y, factor * z)
+        return geometry.add(self._turned, geometry.rotation_vector(change))

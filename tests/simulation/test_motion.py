@@ -10,7 +10,7 @@ import pytest
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.dimensions import Scale, scaled
 from somo_cli.manipulator.kinematics import Pose
-from somo_cli.simulation.motion import Path, motion, rotation_vector
+from somo_cli.simulation.motion import Path, motion
 
 START = Pose((1.0, 0.0, 0.5), geometry.rotation_from_rpy((0.2, -0.3, 0.4)))
 
@@ -21,7 +21,9 @@ def path(start: Pose = START, **data: Any) -> Path:
 
 def turned(pose: Pose, start: Pose = START) -> tuple[float, ...]:
     """Return the rotation vector, in the world, that leads from the start to a pose."""
-    return rotation_vector(geometry.multiply(pose.rotation, geometry.transposed(start.rotation)))
+    return geometry.rotation_vector(
+        geometry.multiply(pose.rotation, geometry.transposed(start.rotation))
+    )
 
 
 def test_at_the_start_it_is_where_it_starts() -> None:
@@ -108,5 +110,5 @@ def test_lengths_are_scaled_and_angles_are_not() -> None:
 def test_a_rotation_vector_is_axis_times_angle(vector: geometry.Vector) -> None:
     angle = geometry.norm(vector)
     axis = geometry.unit(vector) if angle else (1.0, 0.0, 0.0)
-    found = rotation_vector(geometry.rotation_about(axis, angle))
+    found = geometry.rotation_vector(geometry.rotation_about(axis, angle))
     assert found == pytest.approx(vector, abs=1e-12)

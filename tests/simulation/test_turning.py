@@ -8,7 +8,7 @@ import pytest
 
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Matrix
-from somo_cli.simulation.turning import TurnCounter, rotation_vector
+from somo_cli.simulation.turning import TurnCounter
 
 TILTED = geometry.rotation_from_rpy((1.2, math.pi / 2, -0.4))
 
@@ -60,5 +60,5 @@ def test_an_axis_round_a_cone_adds_the_angle_of_the_cone() -> None:
 @pytest.mark.parametrize("angle", [0.0, 1e-12, 1e-7, 1.0, 3.1])
 def test_the_vector_of_a_rotation(angle: float) -> None:
     axis = (2 / 3, -1 / 3, 2 / 3)
-    found = rotation_vector(geometry.rotation_about(axis, angle))
+    found = geometry.rotation_vector(geometry.rotation_about(axis, angle))
     assert found == pytest.approx([angle * one for one in axis], rel=1e-9, abs=1e-15)
