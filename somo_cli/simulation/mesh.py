@@ -6,6 +6,7 @@ The only place trimesh is known; it is loaded when a scene has a mesh.
 from __future__ import annotations
 
 import logging
+import warnings
 from dataclasses import dataclass
 from functools import lru_cache
 from io import BytesIO
@@ -82,10 +83,16 @@ def _loaded(text: str, source: str) -> Any:
         log.addHandler(logging.NullHandler())
     content = text.encode("utf-8", "surrogateescape")
     # trimesh 5.2 lets through whatever its parsing stumbles over
-    stumbles = (ValueError, IndexError, KeyError, TypeError, AttributeError, OverflowError)
+    stumbles = (
+        *(ValueError, IndexError, KeyError, TypeError, AttributeError, OverflowError),
+        DeprecationWarning,
+    )
     options = {"skip_materials": True} if kind == ".obj" else {}
     try:
-        mesh = trimesh.load_mesh(BytesIO(content), file_type=kind[1:], process=False, **options)
+        with warnings.catch_warnings():
+            # numpy before 2.3 leaves it at that, and what it could not read out
+            warnings.filterwarnings("error", "string or file could not be read", DeprecationWarning)
+            mesh = trimesh.load_mesh(BytesIO(content), file_type=kind[1:], process=False, **options)
     except stumbles as error:
         reason = (str(error).splitlines() or [""])[0]
         raise MeshFault(
