@@ -45,6 +45,12 @@ def check(
             help="With --numerics: look at the worst pose of a recorded run, too.",
         ),
     ] = None,
+    plan: Annotated[
+        bool,
+        typer.Option(
+            "--plan", help="Print what a run of one scene leaves out, and why, beside the findings."
+        ),
+    ] = False,
     is_strict: Annotated[
         bool, typer.Option("--strict", help="Exit with 1 on warnings, too.")
     ] = False,
@@ -63,7 +69,11 @@ def check(
     has_one = not numerics or len(paths) == 1
     require(has_one, "--numerics", f"it takes one scene, not {len(paths)}")
     require(trajectory is None or numerics, "--trajectory", "it goes with --numerics")
-    if numerics:
+    require(not plan or len(paths) == 1, "--plan", f"it takes one scene, not {len(paths)}")
+    require(not (plan and numerics), "--plan", "it does not go with --numerics")
+    if plan:
+        _check_plan(paths[0], allow_outside, is_strict, as_json)
+    elif numerics:
         _check_numerics(paths[0], trajectory, allow_outside, is_strict, as_json)
     else:
         _check_files(paths, allow_outside, is_strict, as_json)
@@ -94,6 +104,27 @@ def _check_files(paths: Sequence[str], allow_outside: bool, is_strict: bool, as_
     else:
         terminal.say_problems(found, texts)
     raise typer.Exit(5 if is_unreadable else int(_is_found(found, is_strict)))
+
+
+def _check_plan(path: str, allow_outside: bool, is_strict: bool, as_json: bool) -> None:
+    from somo_cli import loading
+
+    document = loading.load(path, allow_outside=allow_outside)
+    try:
+        scene, problems = loading.scene_of(document)
+    except InvalidFile as error:
+        _say_findings(error.problems, error.texts, {}, as_json)
+        raise typer.Exit(1) from error
+    from somo_cli.simulation import explanation
+    from somo_cli.simulation.plan import make_plan
+
+    plan = make_plan(scene)
+    found = in_reading_order([*problems, *loading.overlaps(document, scene)], document.texts)
+    _say_findings(found, document.texts, {"plan": explanation.plain(plan)}, as_json)
+    if not as_json:
+        for decision in explanation.explain(plan):
+            typer.echo(str(decision))
+    raise typer.Exit(int(_is_found(found, is_strict)))
 
 
 def _check_numerics(

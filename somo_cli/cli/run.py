@@ -83,6 +83,17 @@ def run(
             help="Where to write beginnings and ends of contacts as CSV; - is standard output.",
         ),
     ] = None,
+    explains: Annotated[
+        bool,
+        typer.Option("--explain", help="Say before the run what it leaves out, and why."),
+    ] = False,
+    keeps_everything: Annotated[
+        bool,
+        typer.Option(
+            "--keep-everything",
+            help="Load shapes that no result needs all the same. It changes no result.",
+        ),
+    ] = False,
     sets: SetOption = None,
     allow_outside: OutsideOption = False,
     quiet: QuietOption = False,
@@ -105,7 +116,13 @@ def run(
     if targets[1] is not None:
         refuse_overwriting(document, targets[1], "--events")
     loading.refuse_overlaps(document, planned)
-    _simulate(planned, document, steps, targets, sets or [], with_error, quiet)
+    from somo_cli.simulation import explanation
+    from somo_cli.simulation.plan import make_plan
+
+    plan = make_plan(planned, keeps_everything)
+    if explains:
+        terminal.say_lines(map(str, explanation.explain(plan)))
+    _simulate(plan, planned, document, steps, targets, sets or [], with_error, quiet)
 
 
 def _step(text: str | None) -> "float | Auto | None":
@@ -124,6 +141,7 @@ def _step(text: str | None) -> "float | Auto | None":
 
 
 def _simulate(
+    plan: "Plan",
     scene: "Scene",
     document: "Document",
     steps: int,
@@ -134,10 +152,8 @@ def _simulate(
 ) -> None:
     from somo_cli.simulation import columns, penetration
     from somo_cli.simulation.metadata import metadata
-    from somo_cli.simulation.plan import make_plan
     from somo_cli.simulation.recorder import RowSpool
 
-    plan = make_plan(scene)
     output, of_events = targets
     names = columns.header(plan)
     with files.spool() if with_error else nullcontext() as kept:

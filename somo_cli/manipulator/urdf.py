@@ -43,10 +43,10 @@ def render(chain: Chain, tip_frame: str | None = None) -> str:
     return _text(robot)
 
 
-def render_for_engine(chain: Chain, with_collisions: bool) -> str:
+def render_for_engine(chain: Chain, with_collisions: bool, with_visuals: bool = False) -> str:
     """Return the URDF for a headless engine whose springs, dampers and friction are ours.
 
-    It has no visuals, and collision shapes only if asked for.
+    It has visuals and collision shapes only if asked for; visuals go with collision shapes.
     """
     bare = tuple(
         dataclasses.replace(link, shapes=link.shapes if with_collisions else ())
@@ -54,9 +54,9 @@ def render_for_engine(chain: Chain, with_collisions: bool) -> str:
     )
     robot = ET.fromstring(render(dataclasses.replace(chain, links=bare)))
     for link in robot.findall("link"):
-        for visual in link.findall("visual"):
+        for visual in [] if with_visuals else link.findall("visual"):
             link.remove(visual)
-    for element in (*robot.findall("gazebo"), *robot.findall("material")):
+    for element in (*robot.findall("gazebo"), *([] if with_visuals else robot.findall("material"))):
         robot.remove(element)
     for joint in robot.findall("joint"):
         # dampers and friction are ours; the engine would add its own explicit damper

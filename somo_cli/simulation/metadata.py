@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from importlib.metadata import PackageNotFoundError, version
 
 from somo_cli import __version__
+from somo_cli.simulation import explanation
 from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.run import Summary
 
@@ -40,6 +41,7 @@ def metadata(
         "stopped_by": _stopped_by(summary),
         "record_every": plan.every,
         "rows": summary.rows,
+        "plan": explanation.plain(plan),
         "columns": list(columns),
         "world_scale": {"length": plan.scale.length, "mass": plan.scale.mass},
         "manipulators": {

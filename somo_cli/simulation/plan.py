@@ -136,6 +136,8 @@ class Plan:
     stops: tuple[Stop, ...] = ()
     ends_in_row: bool = False
     """Whether the last step is recorded wherever it falls; so where a stop may end the run."""
+    keeps_everything: bool = False
+    """Whether shapes that no result needs are loaded all the same."""
 
     @property
     def surfaces(self) -> tuple[Surface, ...]:
@@ -144,8 +146,11 @@ class Plan:
         return (*own, *(planned.thing.surface for planned in self.things))
 
 
-def make_plan(scene: Scene) -> Plan:
-    """Return the plan of a scene; the only place where SI becomes engine units."""
+def make_plan(scene: Scene, keeps_everything: bool = False) -> Plan:
+    """Return the plan of a scene; the only place where SI becomes engine units.
+
+    With `keeps_everything` the shapes that no result needs are loaded all the same.
+    """
     acceleration = scene.scale.factor(Dimension(length=1, time=-2))
     can_touch = (
         len(scene.manipulators) + len(scene.things) > 1
@@ -158,7 +163,9 @@ def make_plan(scene: Scene) -> Plan:
         time_step=scene.time_step,
         gravity=(gx * acceleration, gy * acceleration, gz * acceleration),
         integrator=scene.integrator,
-        bodies=tuple(_body(one, scene.scale, can_touch) for one in scene.manipulators),
+        bodies=tuple(
+            _body(one, scene.scale, can_touch, keeps_everything) for one in scene.manipulators
+        ),
         every=scene.every,
         columns=scene.columns,
         ground=None if scene.ground is None else scaled(scene.ground, scene.scale),
@@ -168,10 +175,11 @@ def make_plan(scene: Scene) -> Plan:
         stops=tuple(scaled(one, scene.scale) for one in scene.stops),
         ends_in_row=bool(scene.stops),
         can_touch=can_touch,
+        keeps_everything=keeps_everything,
     )
 
 
-def _body(manipulator: Manipulator, scale: Scale, can_touch: bool) -> Body:
+def _body(manipulator: Manipulator, scale: Scale, can_touch: bool, keeps_everything: bool) -> Body:
     chain = scaled(manipulator.compiled.chain, scale)
     start = Start(
         manipulator.position,
@@ -186,7 +194,9 @@ def _body(manipulator: Manipulator, scale: Scale, can_touch: bool) -> Body:
         name=manipulator.name,
         base=manipulator.base,
         chain=chain,
-        urdf=urdf.render_for_engine(chain, with_collisions=can_touch),
+        urdf=urdf.render_for_engine(
+            chain, with_collisions=can_touch or keeps_everything, with_visuals=keeps_everything
+        ),
         start=start,
         drives=tuple(_drive(entry, chain, scale) for entry in manipulator.actuation),
         loads=tuple(_load(scaled(entry, scale)) for entry in manipulator.loads),

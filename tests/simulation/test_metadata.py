@@ -9,6 +9,7 @@ import json
 import pytest
 
 import somo_cli
+from somo_cli.simulation.explanation import plain
 from somo_cli.simulation.metadata import metadata
 from somo_cli.simulation.plan import make_plan
 from somo_cli.simulation.run import Summary
@@ -17,7 +18,7 @@ from tests.loading import scene_from_file
 KEYS = [
     "somo", "engine", "numpy", "python", "platform", "inputs", "overrides", "integrator",
     "time_step_s", "time_step_chosen", "expected_tip_error_relative", "steps",
-    "stopped_by", "record_every", "rows", "columns", "world_scale", "manipulators",
+    "stopped_by", "record_every", "rows", "plan", "columns", "world_scale", "manipulators",
     "simulated_time_s", "run_time_s", "steps_per_second", "real_time_factor",
 ]  # fmt: skip
 OF_THE_MACHINE = {"engine", "numpy", "python", "platform"}
@@ -52,6 +53,7 @@ def test_the_values(found: dict[str, object]) -> None:
         "stopped_by": None,
         "record_every": 10,
         "rows": 51,
+        "plan": plain(make_plan(scene_from_file("scene.yaml"))),
         "columns": ["time_s", "x"],
         "world_scale": {"length": 20.0, "mass": 1.0},
         "manipulators": {"finger": {"base": "static", "joints": 10}},
