@@ -142,8 +142,9 @@ def placed(inertial: Inertial, position: geometry.Vector, rotation: Matrix) -> I
 
 def lumped(parts: tuple[Inertial, ...]) -> Inertial:
     """Return one rigid body of several that share a frame (Steiner's theorem)."""
-    mass = sum(part.mass for part in parts)
-    x, y, z = (sum(part.mass * part.centre[i] for part in parts) / mass for i in range(3))
+    # fsum, because sum rounds in another way from Python 3.12 on, and the bytes shall be the same
+    mass = math.fsum(part.mass for part in parts)
+    x, y, z = (math.fsum(part.mass * part.centre[i] for part in parts) / mass for i in range(3))
     centre = (x, y, z)
     total = [0.0] * 6
     for part in parts:
