@@ -17,8 +17,10 @@ from somo_cli.problems import (
 )
 
 if TYPE_CHECKING:
+    from somo_cli.document.parse import Document
     from somo_cli.manipulator.kinematics import Pose
     from somo_cli.simulation.plan import Plan
+    from somo_cli.simulation.scene import Scene
     from somo_cli.simulation.springs import Array
 
 
@@ -106,15 +108,23 @@ def _check_files(paths: Sequence[str], allow_outside: bool, is_strict: bool, as_
     raise typer.Exit(5 if is_unreadable else int(_is_found(found, is_strict)))
 
 
+def _scene_of(document: "Document", as_json: bool) -> "tuple[Scene, Sequence[Problem]]":
+    """Return the scene that a document means, and its warnings; end with its errors if it has."""
+    from somo_cli import loading
+
+    try:
+        return loading.scene_of(document)
+    except InvalidFile as error:
+        # what is wrong with a file is a finding of check, not an end
+        _say_findings(error.problems, error.texts, {}, as_json)
+        raise typer.Exit(1) from error
+
+
 def _check_plan(path: str, allow_outside: bool, is_strict: bool, as_json: bool) -> None:
     from somo_cli import loading
 
     document = loading.load(path, allow_outside=allow_outside)
-    try:
-        scene, problems = loading.scene_of(document)
-    except InvalidFile as error:
-        _say_findings(error.problems, error.texts, {}, as_json)
-        raise typer.Exit(1) from error
+    scene, problems = _scene_of(document, as_json)
     from somo_cli.simulation import explanation
     from somo_cli.simulation.plan import make_plan
 
@@ -133,12 +143,7 @@ def _check_numerics(
     from somo_cli import loading
 
     document = loading.load(path, allow_outside=allow_outside)
-    try:
-        scene, problems = loading.scene_of(document)
-    except InvalidFile as error:
-        # what is wrong with a file is a finding of check, not an end
-        _say_findings(error.problems, error.texts, {}, as_json)
-        raise typer.Exit(1) from error
+    scene, problems = _scene_of(document, as_json)
     from somo_cli.analysis import outlook_account
     from somo_cli.analysis.numerics import judge
     from somo_cli.simulation.plan import make_plan

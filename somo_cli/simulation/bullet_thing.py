@@ -86,11 +86,6 @@ class BulletThing:
             position = geometry.subtract(position, offset)
         return Pose(position, rotation)
 
-    def linear_velocity(self) -> Vector:
-        """Return the velocity of its centre of mass."""
-        linear, _ = self._bullet.getBaseVelocity(self.index, self._client)
-        return (linear[0], linear[1], linear[2])
-
     def velocity(self) -> tuple[Vector, Vector]:
         """Return the velocity of its centre and its angular velocity, in the world."""
         linear, angular = self._bullet.getBaseVelocity(self.index, self._client)

@@ -6,13 +6,12 @@ from collections.abc import Sequence
 
 from somo_cli.simulation import touching
 from somo_cli.simulation.plan import Plan
+from somo_cli.simulation.surface import GROUND
 from somo_cli.simulation.touching import Touch
 from somo_cli.simulation.units import Units
 
 TOTAL = ("fx_n", "fy_n", "fz_n", "normal_n")
 LOAD = (*TOTAL, "friction_n", "friction_x_n", "friction_y_n", "friction_z_n")
-GROUND = "ground"
-"""What the ground is called among what touches."""
 
 
 def names_by_number(plan: Plan) -> tuple[str, ...]:

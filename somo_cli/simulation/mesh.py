@@ -49,11 +49,6 @@ class Measured:
     hint: str = ""
 
 
-def as_text(content: bytes) -> str:
-    """Return the content of a mesh file, which may be binary, as a text that keeps every byte."""
-    return content.decode("utf-8", "surrogateescape")
-
-
 @lru_cache(maxsize=64)
 def measured(text: str, source: str, scale: Vector = (1.0, 1.0, 1.0)) -> Measured:
     """Return hull and mass properties of a mesh file, its axes scaled by three factors.

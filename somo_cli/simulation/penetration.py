@@ -14,6 +14,7 @@ from somo_cli.manipulator.dimensions import Dimension
 from somo_cli.manipulator.hull import Hull
 from somo_cli.manipulator.round_solids import RoundedBox
 from somo_cli.manipulator.solids import AnySolid, Box, Cylinder
+from somo_cli.simulation.contact_columns import names_by_number
 from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.world import World
 
@@ -50,8 +51,7 @@ class PenetrationWatch:
         links = [body.chain.links for body in plan.bodies]
         links += [planned.thing.chain.links for planned in plan.things]
         self._thickness = [[_thickness(link) for link in chain] for chain in links]
-        names = [body.name for body in plan.bodies]
-        self._names = [*names, *(planned.thing.name for planned in plan.things), "ground"]
+        self._names = names_by_number(plan)
 
     def look(self, step: int) -> None:
         """Take how deep bodies are in each other now."""

@@ -9,7 +9,7 @@ from typing import Any
 from somo_cli.document.parse import Document
 from somo_cli.manipulator.meaning import IsSound
 from somo_cli.problems import Pointer, Problem
-from somo_cli.simulation.placing import GROUND
+from somo_cli.simulation.surface import GROUND
 
 
 def faults(document: Document, objects: list[Any], is_sound: IsSound) -> Iterator[Problem]:

@@ -9,11 +9,8 @@ from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Shape
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.ground_meaning import highest, lowest
-from somo_cli.simulation.surface import Ground
+from somo_cli.simulation.surface import GROUND, Ground
 from somo_cli.simulation.things import Thing
-
-GROUND = "ground"
-"""The name under which the ground can be stood on."""
 
 
 def placed(things: Sequence[Thing], ground: Ground | None) -> tuple[Thing, ...]:

@@ -11,8 +11,7 @@ from somo_cli.document.parse import Document
 from somo_cli.problems import Problem
 from somo_cli.simulation import scene
 from somo_cli.simulation.scene import Scene
-
-_GROUND = "ground"
+from somo_cli.simulation.surface import GROUND
 
 
 def faults(document: Document) -> Iterator[Problem]:
@@ -63,7 +62,7 @@ def _names(found: Scene) -> Mapping[tuple[str, str], Sequence[str]]:
 def has_two_grounds(found: Scene) -> bool:
     """Whether in columns and events of contacts the ground could be taken for something else."""
     names = [one.name for one in found.manipulators] + [one.name for one in found.things]
-    return found.ground is not None and _GROUND in names
+    return found.ground is not None and GROUND in names
 
 
 def _ground_faults(document: Document, found: Scene, has_events: bool) -> Iterator[Problem]:
@@ -72,14 +71,14 @@ def _ground_faults(document: Document, found: Scene, has_events: bool) -> Iterat
     if not tells or not has_two_grounds(found):
         return
     for index, manipulator in enumerate(found.manipulators):
-        if manipulator.name == _GROUND:
+        if manipulator.name == GROUND:
             yield Problem(
                 document.span(("manipulators", index)),
                 "a manipulator is called ground, as is the ground in columns of contacts",
                 "give it another name",
             )
     for index, thing in enumerate(found.things):
-        if thing.name == _GROUND:
+        if thing.name == GROUND:
             yield Problem(
                 document.span(("objects", index, "name")),
                 "an object is called ground, as is the ground in columns of contacts",

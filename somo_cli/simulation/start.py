@@ -38,7 +38,7 @@ def begin(
     for runner in runners:
         runner.assess()
     bases = [runner.world_body.base_velocity() for runner in runners]
-    velocities = [thing.linear_velocity() for thing in world.things]
+    velocities = [thing.velocity()[0] for thing in world.things]
     rates = [runner.law.rates.copy() for runner in runners]
     forces = []
     for runner in runners:
@@ -50,7 +50,7 @@ def begin(
         runner.go_to_start()
     # objects, too, live at half steps: what they were pulled by in the step is undone by half
     halved = [
-        _half_a_step_earlier(before, thing.linear_velocity())
+        _half_a_step_earlier(before, thing.velocity()[0])
         for before, thing in zip(velocities, world.things, strict=True)
     ]
     for thing in world.things:

@@ -15,16 +15,8 @@ from somo_cli.manipulator.dimensions import (
     Number,
 )
 
-KEYS = (
-    "friction",
-    "spinning_friction",
-    "rolling_friction",
-    "restitution",
-    "contact_stiffness",
-    "contact_damping",
-    "anisotropic_friction",
-)
-"""What may be said of a surface, as it is called in a scene."""
+GROUND = "ground"
+"""What the ground is called where things are called by their names."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -61,9 +61,6 @@ class WorldThing(Protocol):
     def pose(self) -> Pose:
         """Return the pose of the object's frame in the world."""
 
-    def linear_velocity(self) -> Vector:
-        """Return the velocity of its centre of mass."""
-
     def velocity(self) -> tuple[Vector, Vector]:
         """Return the velocity of its centre and its angular velocity, in the world."""
 
