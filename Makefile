@@ -19,7 +19,7 @@ ifneq ($(PYTHON),$(shell cat $(READY) 2>/dev/null))
 endif
 endif
 
-.PHONY: all help sync demo test test-all check format golden bench truth contact extreme build clean
+.PHONY: all help sync demo test test-all check format golden bench truth contact extreme studies build clean
 .DELETE_ON_ERROR:
 
 all: help
@@ -92,6 +92,9 @@ contact: sync ## hold contact against converged references, over laws, cases and
 
 extreme: sync ## run stiff and extreme cases (minutes), and compare with the matrix of before
 	$(RUN) tests.extreme
+
+studies: sync ## run the studies of the README at full length (minutes)
+	$(RUN) tests.studies
 
 build: sync ## make sdist and wheel in dist/, and use the wheel in an empty environment
 	rm -rf dist
