@@ -32,6 +32,7 @@ CALM_CHANGE = 3.0  # rad/s²: times the step squared, what holding may cost in a
 CALM_ROOM = 0.1  # rad: a body with a joint nearer to its limit is not calm
 SWIFT_ROOM = 1.0  # rad: joints farther from their limits do not reach them before the next look,
 SWIFT_BLOCKS = 2.0  # nor those that would not do so in so many times the time until then
+FAR = 4.0  # times as far as that until what is implicit in the law is renewed as well
 STEPS_BETWEEN_LOOKS = 8
 
 
@@ -58,6 +59,7 @@ class Runner:
         self.mass_at_start: Array = self.mass
         self.fastest = 0.0  # rad/s
         self._mass_angles: Array = np.zeros(0)
+        self._parts_angles: Array = np.full(len(joints), math.inf)
         self._push_held = self._make_push_held()
         is_explicit = plan.integrator == "explicit"
         self.push: Callable[[], None] = self._push_held if is_explicit else self._push_swiftly
@@ -203,9 +205,13 @@ class Runner:
 
     def refresh(self) -> None:
         """Renew the mass matrix for the present angles."""
-        self._mass_angles = self.law.angles.copy()
-        self.mass = self.world_body.mass_matrix(self._mass_angles.tolist())
-        self.law.refresh(self.mass)
+        angles = self._mass_angles = self.law.angles.copy()
+        self.mass = self.world_body.mass_matrix(angles.tolist())
+        moved = angles - self._parts_angles
+        is_far = moved.dot(moved) > (FAR * self._refresh_angle) ** 2
+        if is_far:
+            self._parts_angles = angles
+        self.law.refresh(self.mass, is_far)
         block = STEPS_BETWEEN_LOOKS * self.law.time_step
         self._resistance = np.diag(self.mass) / block**2
 
