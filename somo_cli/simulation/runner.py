@@ -77,7 +77,6 @@ class Runner:
         self._held_steps = self._steps_left = 1
         self._pushes = {1: self._push_swiftly, STEPS_BETWEEN_LOOKS: self._push_held}
         self._pushes |= {steps: self._push_in_turns for steps in HOLDS[1:]}
-        self._resistance: Array = np.ones(len(joints))
         self._stop = partial(self._stops.torques, plan.time_step, self.law.angles, self.law.rates)
         self._drives = [(drive.signal.at, _as_slice(drive.joints)) for drive in body.drives]
         self._dynamics: ChainDynamics | None = None
@@ -155,7 +154,8 @@ class Runner:
         if step * self._fastest_fall > CALM_FALL:
             return 1
         phase, turn = step * self._slowest_mode, step * self.fastest / self._freshness
-        pull = float(np.abs(change / self._resistance).max()) / step**2  # rad/s²
+        block = STEPS_BETWEEN_LOOKS**2  # what a constant force does in one, over the step squared
+        pull = block * float(np.abs(change / self.mass.diagonal()).max())  # rad/s²
         for steps in self._holds:
             share = steps / STEPS_BETWEEN_LOOKS
             is_calm = steps * phase <= CALM_PHASE and share * turn <= CALM_ANGLE
@@ -243,8 +243,6 @@ class Runner:
         if is_far:
             self._parts_angles = angles
         self.law.refresh(self.mass, is_far)
-        block = STEPS_BETWEEN_LOOKS * self.law.time_step
-        self._resistance = np.diag(self.mass) / block**2
 
     def assess(self) -> None:
         """Ask, at the start, for what decides how the body is to be followed."""

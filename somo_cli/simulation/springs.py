@@ -170,7 +170,7 @@ class SpringLaw:
         self._mass = mass
         if is_far:
             self._present_damping, self._implicit = self.implicit_parts(mass)
-        self._response = np.linalg.inv(mass + self._implicit)
+        self._response = np.asarray(np.linalg.inv(mass + self._implicit), dtype=np.float64)
         self._is_laid_out = False
 
     def _lay_out(self) -> None:
