@@ -58,15 +58,20 @@ class Camera:
     near: float
     far: float
 
-    def rays(self, size: tuple[int, int]) -> Array:
-        """Return for every pixel, shape (height, width, 3), the way that is 1 along the axis."""
+    def rays(self, size: tuple[int, int], axes: Array | None = None) -> Array:
+        """Return for every pixel the way that is 1 along the camera's axis.
+
+        Shape (3, width * height), row after row from above, in the world's axes or in others,
+        which are the rows of a matrix.
+        """
         width, height = size
         # TinyRenderer samples a pixel at its lower left corner, and tells rows from above
         x = (2 * np.arange(width) / width - 1) * self.tangents[0]
         y = (2 * np.arange(height - 1, -1, -1) / height - 1) * self.tangents[1]
-        right, up, forward = self.axes
-        rays: Array = x[None, :, None] * right + y[:, None, None] * up + forward
-        return rays.astype(np.float32)
+        own = self.axes if axes is None else self.axes @ axes.T
+        right, up, forward = own[:, :, None, None].astype(np.float32)
+        rays: Array = right * x.astype(np.float32) + up * y.astype(np.float32)[:, None] + forward
+        return rays.reshape(3, -1)
 
     def seen(self, points: Array) -> Array:
         """Return points of the world, shape (..., 3), as right, up [-1 to 1] and distance [m]."""

@@ -7,16 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from somo_cli.picture import shading
+from somo_cli.picture import shading, shadows
 from somo_cli.picture.camera import View, framing, radius_of
 from somo_cli.picture.facets import Array
-from somo_cli.picture.shading import Ground, Light, Shading, smoothed
+from somo_cli.picture.shading import Ground, Shading, smoothed
 from somo_cli.picture.stage import Moment, framed_points, parts_of, poses_at
 from somo_cli.picture.tiny_renderer import TinyRenderer
 from somo_cli.simulation.scene import Scene
 
 SMOOTHING = 2  # pixels across, of which one of the picture is made
-MAP = 1200  # pixels across, of the shadows
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,15 +37,15 @@ def pictures(scene: Scene, moments: Sequence[Moment], look: Look) -> Iterator[Ar
     camera = framing(points, look.view, look.size)
     radius = radius_of(points)
     size = (look.size[0] * SMOOTHING, look.size[1] * SMOOTHING)
-    direction = shading.light_direction(camera)
     shader = Shading(camera, size, parts, _ground(scene, points, radius))
+    light = shader.direction
     with TinyRenderer(parts, radius) as renderer:
         for one in poses:
             renderer.place(one)
-            lamp = shading.light_camera(framed_points(parts, one), direction)
-            light = Light(direction, lamp, renderer.look(lamp, (MAP, MAP), direction))
-            raster = renderer.look(camera, size, direction)
-            yield smoothed(shader.picture(raster, light, radius), SMOOTHING)
+            lamp = shadows.lamp(framed_points(parts, one), light)
+            seen_by_lamp = renderer.look(lamp.camera, (shadows.MAP, shadows.MAP), light)
+            raster = renderer.look(camera, size, light)
+            yield smoothed(shader.picture(raster, lamp, seen_by_lamp), SMOOTHING)
 
 
 def _ground(scene: Scene, points: Array, radius: float) -> Ground | None:

@@ -1,6 +1,6 @@
-"""From what the renderer sees to a picture: soft shadows, the ground, and smooth edges.
+"""From what the renderer sees to a picture: shadows, the ground, seams, and smooth edges.
 
-Lengths are metres. Colours are red, green and blue from 0 to 255 until the end.
+Lengths are metres. Colours are red, green and blue from 0 to 255.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import numpy as np
 
 from somo_cli.picture.camera import Camera
 from somo_cli.picture.facets import Array
+from somo_cli.picture.shadows import Lamp, Shadows, light_direction
 from somo_cli.picture.stage import Part
 from somo_cli.picture.tiny_renderer import AMBIENT, Raster
 
@@ -20,9 +21,7 @@ TILES = (246.0, 232.0)
 """The greys of the two kinds of squares on the ground."""
 _PAPER = 255.0
 _DARKEST = 0.62  # of the ground, in full shadow
-_SEAM = 0.72  # of what is dark along the edge of a part that lies before another
-_BLUR = 1.25  # pixels of the shadow map, between the places at which it is asked
-_BIAS = 0.018  # of the radius: how far behind a surface its own shadow begins
+_SEAM = 0.72  # of the pixels on both sides where two links meet
 _CLEAR, _GONE = 1.8, 5.0  # radii from the middle at which the ground begins to fade, and ends
 
 
@@ -37,12 +36,12 @@ class Ground:
 
 
 @dataclass(frozen=True, slots=True)
-class Light:
-    """A distant lamp: the direction it shines from, the camera in its place, and what that sees."""
+class _Laid:
+    """The ground in each pixel: how far away it is, its grey, and how far it has faded, 0 to 1."""
 
-    direction: Array
-    camera: Camera
-    raster: Raster
+    distances: Array
+    greys: Array
+    fades: Array
 
 
 def square_of(radius: float) -> float:
@@ -52,107 +51,68 @@ def square_of(radius: float) -> float:
     return power * max(step for step in (1, 2, 5) if step * power <= wanted * (1 + 1e-9))
 
 
-def light_direction(camera: Camera) -> Array:
-    """Return from where light falls in: from above, a little left of the camera."""
-    right, _, forward = camera.axes
-    direction = np.array([0.0, 0.0, 1.0]) - 0.25 * right - 0.55 * forward
-    unit: Array = direction / np.linalg.norm(direction)
-    return unit
-
-
-def light_camera(points: Array, direction: Array) -> Camera:
-    """Return a camera far away in a direction that sees all points, shape (n, 3)."""
-    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
-    radius = float(np.linalg.norm(points - middle, axis=1).max())
-    distance = 30 * radius
-    side = np.array([1.0, 0.0, 0.0]) if abs(direction[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
-    right = np.cross(side, direction)
-    right /= np.linalg.norm(right)
-    tangent = 1.02 * radius / (distance - radius)
-    return Camera(
-        middle + distance * direction,
-        np.stack([right, np.cross(direction, right), -direction]),
-        (tangent, tangent),
-        distance - 1.1 * radius,
-        distance + 1.1 * radius,
-    )
-
-
 class Shading:
     """Makes pictures from one camera; what does not change from picture to picture is kept."""
 
     def __init__(
         self, camera: Camera, size: tuple[int, int], parts: Sequence[Part], ground: Ground | None
     ) -> None:
-        self._camera = camera
-        self._rays = camera.rays(size)
-        self._unlit = np.array([part.colour for part in parts], np.float32) * 255 * AMBIENT
+        self.direction = light_direction(camera)
+        """From where light falls in, a unit vector."""
+        self._size = size
+        self._shadows = Shadows(camera, size, self.direction)
+        self._unlit = np.array([part.colour for part in parts], np.float32) * (255 * AMBIENT)
         links = [(part.body, part.link) for part in parts]
         self._links = np.array([*map(links.index, links), -1])  # the last one is that of no part
-        self._ground = ground
-        if ground is not None:
-            self._away, self._tiles, self._fade = _laid(ground, camera, self._rays)
+        self._ground = None if ground is None else _laid(ground, camera, size)
 
-    def picture(self, raster: Raster, light: Light, radius: float) -> Array:
+    def picture(self, raster: Raster, lamp: Lamp, seen_by_lamp: Raster) -> Array:
         """Return red, green and blue of every pixel, shape (height, width, 3), as floats."""
-        picture = raster.colours.astype(np.float32)
-        is_part = raster.parts >= 0
-        picture[~is_part] = _PAPER
-        distances = raster.distances
-        if self._ground is not None:
-            is_ground = self._away < distances
-            picture[is_ground] = self._tiles[is_ground][:, None]
-            is_part &= ~is_ground
-            distances = np.where(is_ground, self._away, distances)
-            near = is_ground & (self._fade < 1)
-            dark = self._shadow(near, distances, light, radius) * (1 - self._fade[near])
-            picture[near] *= (1 - (1 - _DARKEST) * dark)[:, None]
-        dark = self._shadow(is_part, distances, light, radius)[:, None]
-        lit, unlit = picture[is_part], self._unlit[raster.parts[is_part]]
-        picture[is_part] = lit + dark * np.minimum(unlit - lit, 0)
-        _draw_seams(picture, self._links[np.where(is_part, raster.parts, -1)])
-        return picture
-
-    def _shadow(self, where: Array, distances: Array, light: Light, radius: float) -> Array:
-        """Return how far each of these pixels is in the shadow, 0 to 1."""
-        points = self._camera.eye.astype(np.float32) + self._rays[where] * distances[where][:, None]
-        seen = light.camera.seen(points)
-        height, width = light.raster.distances.shape
-        column = (seen[:, 0] + 1) * (width / 2)
-        row = height - 1 - (seen[:, 1] + 1) * (height / 2)
-        limit = seen[:, 2] - _BIAS * radius
-        dark = np.zeros(len(points), np.float32)
-        for down in (-_BLUR, 0.0, _BLUR):
-            for on in (-_BLUR, 0.0, _BLUR):
-                i, j = np.rint(row + down).astype(int), np.rint(column + on).astype(int)
-                inside = (i >= 0) & (i < height) & (j >= 0) & (j < width)
-                met = light.raster.distances[np.where(inside, i, 0), np.where(inside, j, 0)]
-                dark += inside & (met < limit)
-        return dark / 9
+        width, height = self._size
+        parts = raster.parts.ravel().copy()
+        distances = raster.distances.ravel()
+        picture = np.full((height * width, 3), _PAPER, np.float32)
+        ground = self._ground
+        if ground is not None:
+            pixels = np.flatnonzero(ground.distances < distances)
+            parts[pixels] = -1
+            pixels = pixels[ground.fades[pixels] < 1]
+            dark = self._shadows.dark(pixels, ground.distances[pixels], lamp, seen_by_lamp)
+            dark *= (1 - _DARKEST) * (1 - ground.fades[pixels])
+            picture[pixels] = (ground.greys[pixels] * (1 - dark))[:, None]
+        pixels = np.flatnonzero(parts >= 0)
+        dark = self._shadows.dark(pixels, distances[pixels], lamp, seen_by_lamp)
+        lit = raster.colours.reshape(-1, 3)[pixels].astype(np.float32)
+        unlit = self._unlit[parts[pixels]]
+        picture[pixels] = lit + dark[:, None] * np.minimum(unlit - lit, 0)
+        whole = picture.reshape(height, width, 3)
+        _draw_seams(whole, self._links[parts].reshape(height, width))
+        return whole
 
 
 def smoothed(picture: Array, factor: int) -> Array:
     """Return the picture smaller by a whole factor, each pixel the mean of those it stands for."""
-    height, width, _ = picture.shape
-    blocks = picture.reshape(height // factor, factor, width // factor, factor, 3)
-    return np.clip(np.rint(blocks.mean(axis=(1, 3))), 0, 255).astype(np.uint8)
+    whole = [picture[i::factor, j::factor] for i in range(factor) for j in range(factor)]
+    mean = sum(whole[1:], start=whole[0]) / np.float32(factor * factor)
+    return np.clip(np.rint(mean), 0, 255).astype(np.uint8)
 
 
-def _laid(ground: Ground, camera: Camera, rays: Array) -> tuple[Array, Array, Array]:
-    """Return for each pixel how far away the ground is, its grey, and how far it has faded."""
-    fall = np.where(rays[..., 2] == 0, np.float32(1e-12), rays[..., 2])
+def _laid(ground: Ground, camera: Camera, size: tuple[int, int]) -> _Laid:
+    across, along, fall = camera.rays(size)
+    fall = np.where(fall == 0, np.float32(1e-12), fall)
     away = (ground.height - camera.eye[2]) / fall
     is_seen = (away > 0) & (camera.eye[2] > ground.height)
-    away = np.where(is_seen, away, np.inf).astype(np.float32)
     reach = np.where(is_seen, away, 0.0)
-    x = camera.eye[0] + rays[..., 0] * reach
-    y = camera.eye[1] + rays[..., 1] * reach
+    x = camera.eye[0] + across * reach
+    y = camera.eye[1] + along * reach
     is_odd = (np.floor(x / ground.square) + np.floor(y / ground.square)) % 2 == 1
-    grey = np.where(is_odd, TILES[1], TILES[0])
+    greys = np.where(is_odd, TILES[1], TILES[0])
     from_middle = np.hypot(x - ground.middle[0], y - ground.middle[1]) / ground.radius
-    fade = np.clip((from_middle - _CLEAR) / (_GONE - _CLEAR), 0, 1)
-    fade = fade * fade * (3 - 2 * fade)
-    return away, (grey + fade * (_PAPER - grey)).astype(np.float32), fade.astype(np.float32)
+    fades = np.clip((from_middle - _CLEAR) / (_GONE - _CLEAR), 0, 1)
+    fades = fades * fades * (3 - 2 * fades)
+    greys += fades * (_PAPER - greys)
+    kept = (np.where(is_seen, away, np.inf), greys, fades)
+    return _Laid(*(values.astype(np.float32) for values in kept))
 
 
 def _draw_seams(picture: Array, links: Array) -> None:

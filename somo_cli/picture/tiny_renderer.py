@@ -24,6 +24,8 @@ from somo_cli.simulation.c_library import captured_output
 AMBIENT, DIFFUSE, SPECULAR = 0.56, 0.42, 0.06
 """How much of its colour a surface shows in the shadow, how much more in full light, and gloss."""
 
+_SWELL = 5e-4  # of the size of a part
+
 
 @dataclass(frozen=True, slots=True)
 class Raster:
@@ -54,7 +56,7 @@ class TinyRenderer:
             self._client = self._bullet.connect(self._bullet.DIRECT)
             try:
                 for number, part in enumerate(self._parts):
-                    assert self._load(part) == number  # what the renderer calls it
+                    assert self._load(part, number) == number  # what the renderer calls it
             except BaseException:
                 self.close()
                 raise
@@ -111,11 +113,13 @@ class TinyRenderer:
         distances = near * far / (far - (far - near) * depths) * np.float32(self._unit)
         return Raster(colours, np.where(parts < 0, np.float32(np.inf), distances), parts)
 
-    def _load(self, part: Part) -> int:
+    def _load(self, part: Part, number: int) -> int:
         bullet, client = self._bullet, self._client
+        # where faces of two links lie in one plane, one of them must be in front
+        factor = (1 + _SWELL * (number % 3)) / self._unit
         shape = bullet.createVisualShape(
             bullet.GEOM_MESH,
-            vertices=(part.facets.vertices / self._unit).tolist(),
+            vertices=(part.facets.vertices * factor).tolist(),
             normals=part.facets.normals.tolist(),
             indices=part.facets.triangles.ravel().tolist(),
             rgbaColor=[*part.colour, 1.0],
