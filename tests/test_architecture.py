@@ -46,6 +46,7 @@ KNOWS = {
 # Every library that is not the interpreter's own, and the standard ones that are a format.
 HOMES = {
     "csv": ("simulation.recorder", "analysis.account", "analysis.trajectory"),
+    "imageio_ffmpeg": ("picture.film",),
     "jsonschema": ("document.validate",),
     "matplotlib": ("picture.",),
     "numpy": ("simulation.", "analysis.", "calibration.", "picture.", "manipulator.verify"),
@@ -61,7 +62,16 @@ HOMES = {
 }
 
 # Slow to load, so nothing loads them that has not asked for what they do.
-HEAVY = {"matplotlib", "numpy", "pybullet", "rich", "scipy", "trimesh", "yourdfpy"}
+HEAVY = {
+    "imageio_ffmpeg",
+    "matplotlib",
+    "numpy",
+    "pybullet",
+    "rich",
+    "scipy",
+    "trimesh",
+    "yourdfpy",
+}
 
 
 class Import(NamedTuple):

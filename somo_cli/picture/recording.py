@@ -37,18 +37,17 @@ class Recording:
         """The times of the rows [s], which increase."""
         return self.columns["time_s"]
 
-    def missing(self) -> tuple[str, ...]:
+    def wanted(self) -> tuple[str, ...]:
         """Return the columns without which nobody knows where everything is."""
-        wanted = [
-            name for number in range(len(self._manipulators)) for name in self._angles(number)
-        ]
-        for one in self._manipulators:
+        names: list[str] = []
+        for one in self.scene.manipulators:
+            names += _angle_names(one)
             if one.base == "free":
-                wanted += _pose_names(f"{one.name}.base_pose")
+                names += _pose_names(f"{one.name}.base_pose")
         for thing in self.scene.things:
             if not thing.is_held:
-                wanted += _pose_names(f"{thing.name}.pose")
-        return tuple(name for name in wanted if name not in self.columns)
+                names += _pose_names(f"{thing.name}.pose")
+        return tuple(names)
 
     def at(self, time: float) -> Moment:
         """Return the moment at a time [s] between the first row and the last.
@@ -59,13 +58,13 @@ class Recording:
         start = start_of(self.scene)
         row, share = self._place(time)
         angles = tuple(
-            [self._between(name, row, share) for name in self._angles(number)]
-            for number in range(len(self._manipulators))
+            [self._between(name, row, share) for name in _angle_names(one)]
+            for one in self.scene.manipulators
         )
         bases = tuple(
             self._pose(f"{one.name}.base_pose", row, share)
             or _led(None if one.motion is None else one.motion.path_from(first), first, time)
-            for one, first in zip(self._manipulators, start.bases, strict=True)
+            for one, first in zip(self.scene.manipulators, start.bases, strict=True)
         )
         things = tuple(
             self._pose(f"{one.name}.pose", row, share)
@@ -73,14 +72,6 @@ class Recording:
             for one, first in zip(self.scene.things, start.things, strict=True)
         )
         return Moment(angles, bases, things)
-
-    @property
-    def _manipulators(self) -> Sequence[Manipulator]:
-        return self.scene.manipulators
-
-    def _angles(self, number: int) -> list[str]:
-        one = self.scene.manipulators[number]
-        return [f"{one.name}.{joint.name}.angle_rad" for joint in one.compiled.chain.joints]
 
     def _place(self, time: float) -> tuple[int, float]:
         """Return the last row that is not behind a time, and how far on to the next the time is."""
@@ -111,6 +102,10 @@ class Recording:
         size = math.hypot(*turn)
         qx, qy, qz, qw = (component / size for component in turn)
         return Pose((x, y, z), geometry.rotation_from_quaternion((qx, qy, qz, qw)))
+
+
+def _angle_names(one: Manipulator) -> list[str]:
+    return [f"{one.name}.{joint.name}.angle_rad" for joint in one.compiled.chain.joints]
 
 
 def _pose_names(owner: str) -> list[str]:
