@@ -28,8 +28,9 @@ class Lamp:
 
 def light_direction(camera: Camera) -> Array:
     """Return from where light falls in, a unit vector: from above, over the left shoulder."""
-    right, _, forward = camera.axes
-    direction = np.array([0.0, 0.0, 1.0]) - 0.25 * right - 0.7 * forward
+    right = camera.axes[0]
+    above = np.array([0.0, 0.0, 1.0])
+    direction = 1.2 * above - 0.25 * right - 0.65 * np.cross(above, right)
     unit: Array = direction / np.linalg.norm(direction)
     return unit
 

@@ -52,8 +52,10 @@ def test_what_is_round_is_a_little_smaller_than_it_is(
 
 @pytest.mark.parametrize(
     "solid",
-    [Box((1, 2, 3)), Cylinder(2, 0.5), Sphere(0.5), Capsule(1, 0.5), RoundedBox((1, 2, 3), 0.2)]
-    + [TETRAHEDRON],
+    [
+        *(Box((1, 2, 3)), Cylinder(2, 0.5), Sphere(0.5), Capsule(1, 0.5), TETRAHEDRON),
+        RoundedBox((1, 2, 3), 0.2),
+    ],
 )
 def test_normals_are_of_unit_length_and_point_where_the_triangles_do(solid: AnySolid) -> None:
     found = facets(solid)
