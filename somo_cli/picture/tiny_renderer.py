@@ -21,7 +21,7 @@ from somo_cli.picture.stage import Part
 from somo_cli.problems import EngineMissing
 from somo_cli.simulation.c_library import captured_output
 
-AMBIENT, DIFFUSE, SPECULAR = 0.56, 0.42, 0.06
+AMBIENT, DIFFUSE, SPECULAR = 0.62, 0.42, 0.06
 """How much of its colour a surface shows in the shadow, how much more in full light, and gloss."""
 
 _SWELL = 5e-4  # of the size of a part
