@@ -223,7 +223,7 @@ def test_a_film_of_a_scene_and_of_its_recording(somo: Somo, here: Path, kind: st
     pytest.importorskip("imageio_ffmpeg")
     source, output = "definitions/lift_scene.yaml", f"scene.{kind}"
     ended = somo("render", source, *SMALL, "--until", "0.4", "-o", output)
-    said = "11 pictures from 0 s to 0.4 s, 25 a second, 160 x 120 pixels, squares of 0.02 m\n"
+    said = "11 pictures from 0 s to 0.4 s, 25 a second, 160 x 120 pixels, squares of 0.05 m\n"
     assert (ended.returncode, ended.stderr) == (0, f"{output}: {said}")
     somo("run", source, "--steps", "400", "-q", "-o", "rows.csv")
     assert somo("render", "rows.csv", *SMALL, "-q", "-o", f"csv.{kind}").returncode == 0
