@@ -10,6 +10,7 @@ import numpy as np
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Shape
 from somo_cli.manipulator.kinematics import Pose, link_poses
+from somo_cli.manipulator.solids import Box
 from somo_cli.picture.facets import Array, Facets, facets
 from somo_cli.simulation.placing import placed
 from somo_cli.simulation.scene import Scene
@@ -29,7 +30,8 @@ class Part:
     """A solid of a link of a body; bodies are manipulators and, behind them, objects.
 
     Facets are in the frame of the solid, `pose` is that frame in the link's, and `colour` red,
-    green and blue, 0 to 1. What is framed is what a picture of the scene must show.
+    green and blue, 0 to 1. What is framed is what a picture of the scene must show. A box may have
+    a face in one plane with the end of what rounds a gap beside it, and is shown in front of it.
     """
 
     body: int
@@ -38,6 +40,7 @@ class Part:
     pose: Pose
     colour: tuple[float, float, float]
     is_framed: bool
+    is_box: bool = False
 
 
 def start_of(scene: Scene) -> Moment:
@@ -98,7 +101,8 @@ def _part(body: int, link: int, shape: Shape, is_framed: bool) -> Part:
     pose = Pose(shape.position, geometry.rotation_from_rpy(shape.rpy))
     red, green, blue, _ = shape.material.rgba
     surface = facets(shape.solid).scaled(shape.visual_factor)
-    return Part(body, link, surface, pose, (red, green, blue), is_framed)
+    is_box = isinstance(shape.solid, Box)
+    return Part(body, link, surface, pose, (red, green, blue), is_framed, is_box)
 
 
 def _corners(surface: Facets) -> Array:

@@ -24,7 +24,7 @@ from somo_cli.simulation.c_library import captured_output
 AMBIENT, DIFFUSE, SPECULAR = 0.62, 0.42, 0.06
 """How much of its colour a surface shows in the shadow, how much more in full light, and gloss."""
 
-_SWELL = 5e-4  # of the size of a part
+_SWELL = 3e-4  # of the size of a part
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +116,7 @@ class TinyRenderer:
     def _load(self, part: Part, number: int) -> int:
         bullet, client = self._bullet, self._client
         # where faces of two links lie in one plane, one of them must be in front
-        factor = (1 + _SWELL * (number % 3)) / self._unit
+        factor = (1 + _SWELL * (number % 3 + (3 if part.is_box else 0))) / self._unit
         shape = bullet.createVisualShape(
             bullet.GEOM_MESH,
             vertices=(part.facets.vertices * factor).tolist(),
