@@ -124,11 +124,15 @@ def test_a_recording_whose_scene_nobody_knows(somo: Somo, here: Path) -> None:
     assert ended.stderr.startswith("rows.csv:1:1: error: there is no rows.meta.json beside it")
     named = ("--scene", "definitions/scene.yaml")
     assert somo("render", "rows.csv", *named, *SMALL).returncode == 0
-    for content in ("[]", "{}", '{"scene": 3}', '{"scene": "x.yaml", "inputs": []}'):
+    for content in ("[]", "{}", '{"scene": 3}', '{"scene": "x.yaml", "overrides": 3}'):
         (here / "rows.meta.json").write_text(content, "utf-8")
         ended = somo("render", "rows.csv", *SMALL)
         message = "rows.meta.json:1:1: error: this does not say what scene the recording is of"
         assert (ended.returncode, ended.stderr.splitlines()[0]) == (3, message)
+    (here / "rows.meta.json").write_text('{"scene":\n  x}', "utf-8")
+    ended = somo("render", "rows.csv", *SMALL)
+    message = "rows.meta.json:2:3: error: this is not JSON: Expecting value"
+    assert (ended.returncode, ended.stderr.splitlines()[0]) == (3, message)
     (here / "rows.meta.json").write_text('{"scene": "gone.yaml"}', "utf-8")
     ended = somo("render", "rows.csv", *SMALL)
     message = "rows.meta.json:1:1: error: the scene that this was recorded of, gone.yaml, is not"

@@ -75,7 +75,7 @@ def render(
     ] = None,
     steps: Annotated[
         int | None,
-        typer.Option("--steps", min=0, help="The same as a number of time steps of a scene."),
+        typer.Option("--steps", min=0, help="Time steps of a scene, in place of --at or --until."),
     ] = None,
     every: Annotated[
         float | None,

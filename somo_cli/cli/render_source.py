@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-import hashlib
+import json
 import os
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -109,30 +109,33 @@ def _steps_between(steps: float) -> int:
 
 def _about(path: str, is_needed: bool) -> Mapping[str, Any]:
     """Return what stands in the `.meta.json` beside a CSV; nothing if it is not needed."""
-    from somo_cli.document.parse import parse
-
     name = beside(path, "meta.json")
     hint = "record it again, or name the scene with --scene"
     try:
-        data: Any = parse(files.read_text(name), name).data
+        data: Any = json.loads(files.read_text(name, LARGEST_RECORDING))
     except FileNotFoundError as error:
         if not is_needed:
             return {}
         message = f"there is no {Path(name).name} beside it, which says what scene it is of"
         raise InvalidFile([Problem(Span(path, 1, 1), message, hint)]) from error
-    is_sound = isinstance(data, dict) and (
-        isinstance(data.get("scene", "" if is_needed else "-"), str)
-        and isinstance(data.get("inputs", {}), dict)
-        and all(isinstance(one, str) for one in data.get("overrides", ()))
-    )
-    if not is_sound or (is_needed and not data.get("scene")):
+    except json.JSONDecodeError as error:
+        place = Span(name, error.lineno, error.colno)
+        raise InvalidFile([Problem(place, f"this is not JSON: {error.msg}", hint)]) from error
+    found = data if isinstance(data, dict) else {}
+    about = {"scene": "", "inputs": {}, "overrides": [], **found}
+    is_sound = isinstance(about["scene"], str) and isinstance(about["inputs"], dict)
+    is_sound = is_sound and isinstance(about["overrides"], list)
+    is_sound = is_sound and all(isinstance(one, str) for one in about["overrides"])
+    if not is_sound or (is_needed and not about["scene"]):
         message = "this does not say what scene the recording is of"
         raise InvalidFile([Problem(Span(name, 1, 1), message, hint)])
-    return {key: data[key] for key in ("scene", "inputs", "overrides") if key in data}
+    return about
 
 
 def _changes(inputs: Mapping[str, Any], document: Document) -> Iterator[Problem]:
     """Yield a warning for every file of a scene that is not what it was when it was run."""
+    import hashlib  # the other commands need not wait for it
+
     first = next(iter(inputs), "")
     known = {_relative(source, first): told for source, told in inputs.items()}
     for source, text in document.texts.items():

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from somo_cli.cli.door import require
 
 if TYPE_CHECKING:
+    from fractions import Fraction
+
     from somo_cli.picture.recording import Recording
     from somo_cli.simulation.scene import Scene
 
