@@ -177,6 +177,10 @@ def test_a_scene_without_a_mesh_loads_nothing_heavy_before_it_runs() -> None:
     assert loaded_with("loading") & HEAVY == set()
 
 
+def test_nothing_is_drawn_by_commands_that_draw_nothing() -> None:
+    assert not {module for module in loaded_with("cli") if module.startswith("picture")}
+
+
 @pytest.mark.parametrize("module", ["cli", "document.validate", "manipulator.compile"])
 def test_the_door_and_the_compiler_load_nothing_heavy(module: str) -> None:
     assert loaded_with(module) & HEAVY == set()
