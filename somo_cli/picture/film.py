@@ -44,7 +44,7 @@ def encode(pictures: Iterable[Array], size: tuple[int, int], rate: Fraction, kin
     with tempfile.TemporaryDirectory(prefix="somo-") as folder:
         path = Path(folder) / f"film{kind}"
         writer = encoder.write_frames(
-            str(path), size, fps=rate, ffmpeg_log_level="error", **_SETTINGS[kind]
+            str(path), size, fps=float(rate), ffmpeg_log_level="error", **_SETTINGS[kind]
         )
         try:
             writer.send(None)
