@@ -1,6 +1,6 @@
 """Soft manipulators described in YAML, compiled to URDF and brought to life without a display.
 
-The map of the house. Four pipelines, each on one screen:
+The map of the house. Five pipelines, each on one screen:
 
 - `somo build` is `manipulator/compile.py`: text ─parse─▶ Document ─validate─▶ Document ─read─▶
   Definition (SI) ─build─▶ Chain ─scaled─▶ Chain ─render─▶ URDF text.
@@ -8,6 +8,8 @@ The map of the house. Four pipelines, each on one screen:
   names is compiled, `make_plan` settles the rest, then World and recorder go step by step.
 - `somo report` is `analysis/study.py`: the Scene in many variants, each run by `analysis/trial.py`,
   errors against a reference, and a choice.
+- `somo render` is `picture/draw.py`: rows of a run, simulated or read, to moments, to where every
+  solid is, to what the renderer of the engine sees, to pixels.
 - `somo calibrate` is one file of `calibration/` for each rule: measured numbers to those of joints,
   which `document/patch.py` puts into the text they came from.
 

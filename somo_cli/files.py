@@ -101,6 +101,25 @@ def write_whole(path: str, content: str | bytes) -> None:
         raise
 
 
+def relative(path: str, other: str) -> str:
+    """Return a path as the file `other` would name it, with slashes; whole if on another drive."""
+    folder = os.path.realpath(Path(other).parent)
+    try:
+        return Path(os.path.relpath(os.path.realpath(path), folder)).as_posix()
+    except ValueError:
+        return Path(path).absolute().as_posix()
+
+
+def refuse_unwritable(path: str) -> None:
+    """Raise OSError, before long work, where `write_whole` would raise it after."""
+    if not is_direct(path):
+        folder = _target(path)[0].parent
+        if not folder.is_dir():
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), path)
+        if not os.access(folder, os.W_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), path)
+
+
 def copy_examples(folder: str) -> list[str]:
     """Copy the shipped definitions, and the schemas they name, into a new folder.
 

@@ -24,7 +24,7 @@ KNOWS = {
     "simulation": {"", "problems", "document", "manipulator"},
     "analysis": {"", "problems", "document", "manipulator", "simulation"},
     "calibration": {"", "problems", "document", "manipulator", "simulation", "analysis"},
-    "picture": {"", "problems", "analysis"},
+    "picture": {"", "problems", "manipulator", "simulation", "analysis"},
     "loading": {"", "problems", "document", "manipulator", "simulation", "analysis", "files"},
     "cli": {
         "",
@@ -46,10 +46,11 @@ KNOWS = {
 # Every library that is not the interpreter's own, and the standard ones that are a format.
 HOMES = {
     "csv": ("simulation.recorder", "analysis.account", "analysis.trajectory"),
+    "imageio_ffmpeg": ("picture.film",),
     "jsonschema": ("document.validate",),
     "matplotlib": ("picture.",),
-    "numpy": ("simulation.", "analysis.", "calibration.", "manipulator.verify"),
-    "pybullet": ("simulation.bullet",),
+    "numpy": ("simulation.", "analysis.", "calibration.", "picture.", "manipulator.verify"),
+    "pybullet": ("simulation.bullet", "picture.tiny_renderer"),
     "referencing": ("document.validate",),
     "rich": ("terminal",),
     "scipy": ("simulation.signal", "analysis.", "calibration."),
@@ -61,7 +62,16 @@ HOMES = {
 }
 
 # Slow to load, so nothing loads them that has not asked for what they do.
-HEAVY = {"matplotlib", "numpy", "pybullet", "rich", "scipy", "trimesh", "yourdfpy"}
+HEAVY = {
+    "imageio_ffmpeg",
+    "matplotlib",
+    "numpy",
+    "pybullet",
+    "rich",
+    "scipy",
+    "trimesh",
+    "yourdfpy",
+}
 
 
 class Import(NamedTuple):
@@ -165,6 +175,10 @@ def test_every_module_keeps_the_law(module: str) -> None:
 
 def test_a_scene_without_a_mesh_loads_nothing_heavy_before_it_runs() -> None:
     assert loaded_with("loading") & HEAVY == set()
+
+
+def test_nothing_is_drawn_by_commands_that_draw_nothing() -> None:
+    assert not {module for module in loaded_with("cli") if module.startswith("picture")}
 
 
 @pytest.mark.parametrize("module", ["cli", "document.validate", "manipulator.compile"])

@@ -506,3 +506,32 @@ def test_output_is_the_same_bytes_in_every_locale(tmp_path: Path) -> None:
     with contextlib.redirect_stdout(io.StringIO()), partial(str(tmp_path / "f")) as stream:
         stream.write("1.5\r\nü\n")
     assert (tmp_path / "f").read_bytes() == "1.5\r\nü\n".encode()
+
+
+@pytest.mark.parametrize(
+    ("path", "other", "named"),
+    [
+        ("a/scene.yaml", "a/rows.csv", "scene.yaml"),
+        ("a/scene.yaml", "rows.csv", "a/scene.yaml"),
+        ("scene.yaml", "a/b/rows.csv", "../../scene.yaml"),
+    ],
+)
+def test_a_path_as_another_file_would_name_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, path: str, other: str, named: str
+) -> None:
+    (tmp_path / "a/b").mkdir(parents=True)
+    monkeypatch.chdir(tmp_path)
+    assert files.relative(path, other) == named
+    assert files.relative(str(tmp_path / path), other) == named
+
+
+def test_what_cannot_be_written_is_refused_and_nothing_is_made(tmp_path: Path) -> None:
+    for path, error in (
+        (tmp_path / "none/a.png", FileNotFoundError),
+        (tmp_path, IsADirectoryError),
+    ):
+        with pytest.raises(error):
+            files.refuse_unwritable(str(path))
+    files.refuse_unwritable(str(tmp_path / "a.png"))
+    files.refuse_unwritable(os.devnull)
+    assert list(tmp_path.iterdir()) == []

@@ -9,6 +9,7 @@ from somo_cli.cli import (
     calibrate_torque,
     check,
     examples,
+    render,
     report,
     run,
 )
@@ -24,6 +25,7 @@ __all__ = [
     "check",
     "examples",
     "main",
+    "render",
     "report",
     "run",
 ]

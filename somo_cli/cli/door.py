@@ -10,14 +10,20 @@ from typing import TYPE_CHECKING, Annotated, TypeVar
 import typer
 
 from somo_cli import __version__, files, terminal
-from somo_cli.problems import EngineMissing, EngineRefused, InvalidFile, SimulationDiverged
+from somo_cli.problems import (
+    EngineMissing,
+    EngineRefused,
+    ExtraMissing,
+    InvalidFile,
+    SimulationDiverged,
+)
 
 if TYPE_CHECKING:
     from somo_cli.document.parse import Document
 
 EXIT_CODES = """Exit codes: 0 done; 1 a check found something; 2 wrong usage; 3 the definition,
 scene or recording is at fault; 4 the simulation diverged; 5 a file cannot be read or written, or
-the engine is missing; 130 interrupted. A closed pipe ends a run quietly, with 0."""
+the engine or an extra is missing; 130 interrupted. A closed pipe ends a run quietly, with 0."""
 
 app = typer.Typer(
     help="Simulate soft, continuum manipulators as chains of links and spring-dampers.",
@@ -74,7 +80,7 @@ def ending(command: Command) -> Command:
         except EngineRefused as error:
             terminal.say(f"somo: {error}")
             raise typer.Exit(3) from error
-        except EngineMissing as error:
+        except (EngineMissing, ExtraMissing) as error:
             terminal.say(f"somo: {error}")
             raise typer.Exit(5) from error
         except BrokenPipeError as error:

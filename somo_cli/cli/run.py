@@ -162,6 +162,7 @@ def _simulate(
         about = metadata(
             plan, summary, document.texts, sets, names, scene.is_step_chosen, scene.expected_error
         )
+        about["scene"] = files.relative(document.source, output)
         if events is not None:
             about["events"] = events
         told, failure = None, None

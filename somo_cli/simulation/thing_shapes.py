@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from somo_cli.manipulator import geometry, solids
@@ -22,6 +23,15 @@ _MATERIAL = Material("object", (0.8, 0.6, 0.3, 1.0))
 
 def link(data: Mapping[str, Any]) -> Link:
     """Return the one link of the object that a sound mapping describes."""
+    found = _link(data)
+    if "material_color" not in data:
+        return found
+    red, green, blue, opacity = map(float, data["material_color"])
+    paint = Material("object", (red, green, blue, opacity))
+    return replace(found, shapes=tuple(replace(one, material=paint) for one in found.shapes))
+
+
+def _link(data: Mapping[str, Any]) -> Link:
     if data["shape_type"] == "mesh":
         return _link_of_meshes(data)
     if data["shape_type"] == "urdf":

@@ -155,3 +155,13 @@ def test_what_is_wrong_with_objects() -> None:
     assert told({**CUBE, "position": [0, 0, 0]}, ground={}) == [
         "it starts 0.02 m inside the ground"
     ]
+
+
+def test_a_colour_is_that_of_every_shape_and_changes_no_byte_of_what_the_engine_is_given() -> None:
+    plain, painted = (
+        scene_from_text(json.dumps(scene_of({**CUBE, **colour})))
+        for colour in ({}, {"material_color": [0.1, 0.2, 0.3, 1]})
+    )
+    (shape,) = painted.things[0].chain.links[0].shapes
+    assert shape.material.rgba == (0.1, 0.2, 0.3, 1.0)
+    assert make_plan(painted).things[0].urdf == make_plan(plain).things[0].urdf

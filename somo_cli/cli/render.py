@@ -1,0 +1,217 @@
+"""somo render: a scene, or a recorded run, to a picture or a film."""
+
+import dataclasses
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from somo_cli import files, terminal
+from somo_cli.cli import render_source
+from somo_cli.cli.door import (
+    EXIT_CODES,
+    OutsideOption,
+    QuietOption,
+    SetOption,
+    app,
+    ending,
+    refuse_overwriting,
+    require,
+)
+from somo_cli.cli.render_look import look_of
+from somo_cli.cli.render_times import Timing
+
+if TYPE_CHECKING:
+    from somo_cli.document.parse import Document
+    from somo_cli.picture.draw import Look
+    from somo_cli.picture.facets import Array
+    from somo_cli.picture.recording import Recording
+    from somo_cli.simulation.scene import Scene
+
+STILL = ".png"
+
+
+@app.command(epilog=EXIT_CODES)
+@ending
+def render(
+    source: Annotated[
+        str,
+        typer.Argument(
+            metavar="SCENE|CSV",
+            help="A scene or a definition, which is simulated, or a CSV of somo run.",
+        ),
+    ],
+    output: Annotated[
+        str | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="A still, .png, or a film, .mp4 or .gif, with somo-cli[film]. [default: the "
+            "source's name with .png, in the current directory]",
+        ),
+    ] = None,
+    at: Annotated[
+        float | None,
+        typer.Option(
+            "--at",
+            metavar="S",
+            help="The time that a still shows, in seconds. [default: 0 of a scene, the last row "
+            "of a CSV]",
+        ),
+    ] = None,
+    start: Annotated[
+        float | None,
+        typer.Option("--from", metavar="S", help="When a film begins. [default: at the start]"),
+    ] = None,
+    until: Annotated[
+        float | None,
+        typer.Option(
+            "--until",
+            metavar="S",
+            help="When a film ends. [default: at the end; of a scene it is needed]",
+        ),
+    ] = None,
+    steps: Annotated[
+        int | None,
+        typer.Option("--steps", min=0, help="Time steps of a scene, in place of --at or --until."),
+    ] = None,
+    every: Annotated[
+        float | None,
+        typer.Option(
+            "--every",
+            metavar="S",
+            help="Time between two pictures of a film. [default: such that 25 are shown a second]",
+        ),
+    ] = None,
+    speed: Annotated[
+        float,
+        typer.Option("--speed", help="Seconds of the scene that pass in a second of the film."),
+    ] = 1.0,
+    camera: Annotated[
+        str,
+        typer.Option(
+            "--camera",
+            metavar="VIEW",
+            help="oblique, front, side, top, or YAW,PITCH[,DISTANCE] in degrees and metres: yaw 0 "
+            "looks along +y, 90 from +x; pitch is the height above the horizon.",
+        ),
+    ] = "oblique",
+    target: Annotated[
+        str | None,
+        typer.Option(
+            "--target",
+            metavar="X,Y,Z",
+            help="The point in the middle of the picture [m]. [default: all that moves is in it]",
+        ),
+    ] = None,
+    size: Annotated[
+        str, typer.Option("--size", metavar="WxH", help="Width and height in pixels.")
+    ] = "960x720",
+    scene: Annotated[
+        str | None,
+        typer.Option(
+            "--scene",
+            metavar="FILE",
+            help="The scene of a CSV. [default: what the .meta.json beside it names]",
+        ),
+    ] = None,
+    sets: SetOption = None,
+    allow_outside: OutsideOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Draw a scene or a recorded run, as a still or a film, without a display.
+
+    A scene is simulated up to the time that is shown. A CSV is shown as it was recorded; it needs
+    the columns joint_angles, base_pose of what is free, and pose of objects that are free.
+    """
+    written = output or f"{Path(source).stem}{STILL}"
+    kind = _kind_of(written)
+    timing = Timing(kind != STILL, at, start, until, steps, every, speed)
+    look = look_of(camera, target, size, kind == ".mp4")
+    is_csv = render_source.is_recording(source)
+    require(is_csv or scene is None, "--scene", f"it is for a CSV, and {source} is none")
+    timing.refuse_misuse(is_csv)
+    if timing.is_film:
+        _require_encoder(timing)
+    files.refuse_unwritable(written)
+    if is_csv:
+        document, recording = render_source.recorded(source, scene, sets or [], allow_outside)
+        refuse_overwriting(document, written)
+        times = timing.of(recording)
+    else:
+        document, found = render_source.read_scene(source, sets or [], allow_outside)
+        refuse_overwriting(document, written)
+        recording, times = _simulated(document, found, timing)
+    drawn = _pictures(recording, times, look)
+    files.write_whole(written, _encoded(drawn, look, timing, kind))
+    if not quiet:
+        terminal.say(f"{written}: {_summary(recording, times, look, timing)}")
+
+
+def _kind_of(written: str) -> str:
+    from somo_cli.picture import film
+
+    kind = Path(written).suffix.lower()
+    known = (STILL, *film.KINDS)
+    message = f"{written} ends in none of {', '.join(known)}, which say what it is"
+    require(kind in known, "--output", message)
+    return kind
+
+
+def _require_encoder(timing: Timing) -> None:
+    from somo_cli.picture import film
+
+    film.require()
+    assert timing.rate, "it is judged before anything is simulated"
+
+
+def _simulated(
+    document: "Document", scene: "Scene", timing: Timing
+) -> "tuple[Recording, tuple[float, ...]]":
+    from somo_cli.simulation import penetration
+
+    steps = timing.steps_of(scene)
+    spacing = timing.between if timing.is_film else None
+    recording, summary = render_source.simulated(document, scene, steps, spacing)
+    if summary.deepest is not None and summary.deepest.is_deep:
+        terminal.say(f"somo: warning: {penetration.advice(summary.deepest, scene.time_step)}")
+    why = ""
+    if summary.stopped is not None:
+        why = f", where stop[{summary.stopped.condition}] ends it: {summary.stopped.reason}"
+        if timing.is_film and summary.steps < steps:
+            terminal.say(f"the film ends at {recording.times[-1]:.9g} s{why}")
+            timing = dataclasses.replace(timing, until=None)
+    return recording, timing.of(recording, why)
+
+
+def _pictures(recording: "Recording", times: Sequence[float], look: "Look") -> "Iterator[Array]":
+    from somo_cli.picture.draw import pictures
+
+    with terminal.progress(len(times), "drawing") as advance:
+        for number, picture in enumerate(pictures(recording, times, look), start=1):
+            advance(number)
+            yield picture
+
+
+def _encoded(drawn: "Iterator[Array]", look: "Look", timing: Timing, kind: str) -> bytes:
+    if timing.is_film:
+        from somo_cli.picture import film
+
+        return film.encode(drawn, look.size, timing.rate, kind)
+    from somo_cli.picture.png import png
+
+    return png(next(drawn))
+
+
+def _summary(recording: "Recording", times: Sequence[float], look: "Look", timing: Timing) -> str:
+    from somo_cli.picture.draw import square_of
+
+    width, height = look.size
+    square = square_of(recording, times)
+    ground = "" if square is None else f", squares of {square:g} m"
+    if not timing.is_film:
+        return f"{width} x {height} pixels, at {times[0]:.9g} s{ground}"
+    span = f"{len(times)} pictures from {times[0]:.9g} s to {times[-1]:.9g} s"
+    return f"{span}, {float(timing.rate):g} a second, {width} x {height} pixels{ground}"

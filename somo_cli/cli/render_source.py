@@ -1,0 +1,169 @@
+"""What somo render draws: a scene that is simulated first, or rows that somo run has recorded."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from somo_cli import files, terminal
+from somo_cli.cli.run_targets import beside
+from somo_cli.problems import InvalidFile, Problem, Span
+
+if TYPE_CHECKING:
+    from somo_cli.document.parse import Document
+    from somo_cli.document.table import Table
+    from somo_cli.picture.recording import Recording
+    from somo_cli.simulation.run import Summary
+    from somo_cli.simulation.scene import Scene
+
+LARGEST_RECORDING = 500_000_000  # bytes
+_BETWEEN = 8  # rows recorded from picture to picture, where these do not fall on steps
+
+
+def is_recording(source: str) -> bool:
+    """Whether a source is a CSV of `somo run`, and not a scene."""
+    return source.lower().endswith(".csv")
+
+
+def read_scene(path: str, sets: Sequence[str], allow_outside: bool) -> tuple[Document, Scene]:
+    """Read a scene, and say the warnings about it. Raises OSError and InvalidFile."""
+    from somo_cli import loading
+
+    document = loading.load(path, sets, allow_outside)
+    scene, warnings = loading.scene_of(document)
+    terminal.say_problems(warnings, document.texts)
+    return document, scene
+
+
+def simulated(
+    document: Document, scene: Scene, steps: int, every: float | None = None
+) -> tuple[Recording, Summary]:
+    """Simulate a scene for so many steps; its recording has the last one in it.
+
+    With `every` [s] there are rows at its multiples, or at least several in between. Raises what
+    a run raises.
+    """
+    from somo_cli import loading
+    from somo_cli.picture.recording import Recording, drawn
+    from somo_cli.simulation import columns
+    from somo_cli.simulation.bullet import BulletWorld
+    from somo_cli.simulation.plan import make_plan
+    from somo_cli.simulation.run import run
+
+    loading.refuse_overlaps(document, scene)
+    between = max(steps, 1) if every is None else _steps_between(every / scene.time_step)
+    plan = make_plan(dataclasses.replace(drawn(scene), every=between))
+    plan = dataclasses.replace(plan, ends_in_row=True)
+    rows: list[tuple[float, ...]] = []
+    with BulletWorld(plan) as world, terminal.progress(steps, "simulating") as advance:
+        clock, keep = time.perf_counter, lambda row: rows.append(tuple(row))
+        summary = run(plan, world, keep, steps, clock, advance)
+    names = columns.header(plan)
+    table = dict(zip(names, zip(*rows, strict=True), strict=True))
+    return Recording(scene, table), summary
+
+
+def recorded(
+    path: str, scene: str | None, sets: Sequence[str], allow_outside: bool
+) -> tuple[Document, Recording]:
+    """Read a CSV of `somo run` and the scene that it is of; raise OSError and InvalidFile.
+
+    The scene is the one that the `.meta.json` beside it names, with what overrode it, or the one
+    given in its place.
+    """
+    from somo_cli.document.table import read_table
+    from somo_cli.document.table import require as require_columns
+    from somo_cli.picture.recording import Recording
+
+    table = read_table(files.read_text(path, LARGEST_RECORDING), path)
+    require_columns(table, increasing="time_s")
+    about = _about(path, scene is None)
+    overrides = [*about.get("overrides", ()), *sets]
+    named = scene or os.path.normpath(Path(path).parent / about["scene"])
+    try:
+        document, found = read_scene(named, overrides, allow_outside)
+    except FileNotFoundError as error:
+        if scene is not None:
+            raise
+        message = f"the scene that this was recorded of, {named}, is not there"
+        place = Span(beside(path, "meta.json"), 1, 1)
+        raise InvalidFile([Problem(place, message, "name it with --scene")]) from error
+    terminal.say_problems(_changes(about.get("inputs", {}), document), document.texts)
+    recording = Recording(found, table.columns)
+    _require_all(recording, table)
+    return document, recording
+
+
+def _steps_between(steps: float) -> int:
+    """Return how many steps rows are apart, for pictures that are so many steps apart."""
+    nearest = round(steps)
+    if nearest >= 1 and abs(steps - nearest) <= 1e-6 * steps:
+        return nearest
+    return max(1, int(steps / _BETWEEN))
+
+
+def _about(path: str, is_needed: bool) -> Mapping[str, Any]:
+    """Return what stands in the `.meta.json` beside a CSV; nothing if it is not needed."""
+    name = beside(path, "meta.json")
+    hint = "record it again, or name the scene with --scene"
+    try:
+        data: Any = json.loads(files.read_text(name, LARGEST_RECORDING))
+    except FileNotFoundError as error:
+        if not is_needed:
+            return {}
+        message = f"there is no {Path(name).name} beside it, which says what scene it is of"
+        raise InvalidFile([Problem(Span(path, 1, 1), message, hint)]) from error
+    except json.JSONDecodeError as error:
+        place = Span(name, error.lineno, error.colno)
+        raise InvalidFile([Problem(place, f"this is not JSON: {error.msg}", hint)]) from error
+    found = data if isinstance(data, dict) else {}
+    about = {"scene": "", "inputs": {}, "overrides": [], **found}
+    is_sound = isinstance(about["scene"], str) and isinstance(about["inputs"], dict)
+    is_sound = is_sound and isinstance(about["overrides"], list)
+    is_sound = is_sound and all(isinstance(one, str) for one in about["overrides"])
+    if not is_sound or (is_needed and not about["scene"]):
+        message = "this does not say what scene the recording is of"
+        raise InvalidFile([Problem(Span(name, 1, 1), message, hint)])
+    return about
+
+
+def _changes(inputs: Mapping[str, Any], document: Document) -> Iterator[Problem]:
+    """Yield a warning for every file of a scene that is not what it was when it was run."""
+    import hashlib  # the other commands need not wait for it
+
+    first = next(iter(inputs), "")
+    known = {_relative(source, first): told for source, told in inputs.items()}
+    for source, text in document.texts.items():
+        told = known.get(_relative(source, document.source))
+        content = text.encode("utf-8", "surrogateescape")
+        if told is not None and told != {"sha256": hashlib.sha256(content).hexdigest()}:
+            message = "this file has changed since the run was recorded"
+            hint = "the picture has the motion of then and the shapes of now"
+            yield Problem(Span(source, 1, 1), message, hint, "warning")
+
+
+def _relative(source: str, to: str) -> str:
+    try:
+        return os.path.relpath(source, Path(to).parent)
+    except ValueError:  # on another drive
+        return source
+
+
+def _require_all(recording: Recording, table: Table) -> None:
+    wanted = recording.wanted()
+    missing = [name for name in wanted if name not in table.columns]
+    if not missing:
+        return
+    more = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
+    message = f"there is no column '{missing[0]}'{more}, so nobody knows where everything is"
+    kinds = {".angle_rad": "*.angle_rad", ".base_pose.": "*.base_pose.*", ".pose.": "*.pose.*"}
+    patterns = [kinds[kind] for kind in kinds if any(kind in name for name in wanted)]
+    options = " ".join(f"--record '{pattern}'" for pattern in patterns)
+    hint = f"somo run with {options} records all that is needed"
+    place = table.header_span(table.names[0])
+    raise InvalidFile([Problem(place, message, hint)], table.texts)

@@ -1,0 +1,80 @@
+"""Pictures of a recording at several times, one after the other, by one camera."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from somo_cli.picture import shading, shadows
+from somo_cli.picture.camera import View, framing, radius_of
+from somo_cli.picture.facets import Array
+from somo_cli.picture.recording import Recording
+from somo_cli.picture.shading import Ground, Shading, smoothed
+from somo_cli.picture.stage import Part, framed_points, parts_of, poses_at
+from somo_cli.picture.tiny_renderer import TinyRenderer
+from somo_cli.simulation.scene import Scene
+
+SMOOTHING = 2  # pixels across, of which one of the picture is made
+MOST_FRAMED = 400  # moments, evenly over all, that the camera is to have in sight
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """From where pictures are taken, and their size: width and height in pixels."""
+
+    view: View
+    size: tuple[int, int]
+
+
+def pictures(recording: Recording, times: Sequence[float], look: Look) -> Iterator[Array]:
+    """Yield a picture for each time [s], shape (height, width, 3), bytes.
+
+    All that moves is framed at all these times. Raises EngineMissing.
+    """
+    scene = recording.scene
+    parts = parts_of(scene)
+    points = _points(recording, parts, times)
+    camera = framing(points, look.view, look.size)
+    radius = radius_of(points)
+    size = (look.size[0] * SMOOTHING, look.size[1] * SMOOTHING)
+    shader = Shading(camera, size, parts, _ground(scene, points, radius))
+    light = shader.direction
+    with TinyRenderer(parts, radius) as renderer:
+        for time in times:
+            poses = poses_at(scene, parts, recording.at(time))
+            renderer.place(poses)
+            lamp = shadows.lamp(framed_points(parts, poses), light)
+            seen_by_lamp = renderer.look(lamp.camera, (shadows.MAP, shadows.MAP), light)
+            raster = renderer.look(camera, size, light)
+            yield smoothed(shader.picture(raster, lamp, seen_by_lamp), SMOOTHING)
+
+
+def square_of(recording: Recording, times: Sequence[float]) -> float | None:
+    """Return the edge of the squares that the ground of such pictures has [m]; None without one."""
+    if recording.scene.ground is None:
+        return None
+    parts = parts_of(recording.scene)
+    return shading.square_of(radius_of(_points(recording, parts, times)))
+
+
+def _points(recording: Recording, parts: Sequence[Part], times: Sequence[float]) -> Array:
+    moments = (recording.at(time) for time in _evenly(times))
+    return np.concatenate(
+        [framed_points(parts, poses_at(recording.scene, parts, moment)) for moment in moments]
+    )
+
+
+def _evenly(times: Sequence[float]) -> Sequence[float]:
+    if len(times) <= MOST_FRAMED:
+        return times
+    last = len(times) - 1
+    return [times[round(number * last / (MOST_FRAMED - 1))] for number in range(MOST_FRAMED)]
+
+
+def _ground(scene: Scene, points: Array, radius: float) -> Ground | None:
+    if scene.ground is None:
+        return None
+    x, y, _ = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    return Ground(scene.ground.height, shading.square_of(radius), (float(x), float(y)), radius)

@@ -1,0 +1,146 @@
+"""Triangles for the surface of a solid, with the normals that make round ones look round."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from somo_cli.manipulator.round_solids import Capsule, RoundedBox
+from somo_cli.manipulator.solids import AnySolid, Box, Cylinder, Sphere
+
+Array: TypeAlias = NDArray[Any]
+
+AROUND = 48  # facets around an axis
+_ROWS = 12  # of facets from the equator of a ball to a pole
+
+
+@dataclass(frozen=True, slots=True)
+class Facets:
+    """Vertices and their outward unit normals, shape (n, 3), and triangles of them, shape (m, 3).
+
+    In the frame and the unit of the solid; triangles are counterclockwise from outside.
+    """
+
+    vertices: Array
+    normals: Array
+    triangles: Array
+
+    def scaled(self, factor: float) -> Facets:
+        """Return them larger by a factor, about the origin of the frame."""
+        return Facets(self.vertices * factor, self.normals, self.triangles)
+
+
+def facets(solid: AnySolid) -> Facets:
+    """Return the facets of a solid."""
+    if isinstance(solid, Box):
+        x, y, z = solid.size
+        return _ball((x / 2, y / 2, z / 2), 0.0)
+    if isinstance(solid, RoundedBox):
+        return _ball(solid.core, solid.radius)
+    if isinstance(solid, Sphere):
+        return _turned(_arc(solid.radius, 0.0, -_ROWS, _ROWS))
+    if isinstance(solid, Capsule):
+        half = solid.length / 2
+        ends = (_arc(solid.radius, -half, -_ROWS, 0), _arc(solid.radius, half, 0, _ROWS))
+        return _turned(np.concatenate(ends))
+    if isinstance(solid, Cylinder):
+        return _of_cylinder(solid)
+    return _flat(np.array(solid.vertices), np.array(solid.faces))
+
+
+def _of_cylinder(solid: Cylinder) -> Facets:
+    half, radius = solid.length / 2, solid.radius
+    # an outline from below to above: distance from the axis, height, and the normal in both
+    return _turned(
+        np.array(
+            [
+                [0, -half, 0, -1],
+                [radius, -half, 0, -1],
+                [radius, -half, 1, 0],
+                [radius, half, 1, 0],
+                [radius, half, 0, 1],
+                [0, half, 0, 1],
+            ]
+        )
+    )
+
+
+def _arc(radius: float, height: float, first: int, last: int) -> Array:
+    """Return the outline of a ball at a height, between rows counted from its equator."""
+    angles = np.arange(first, last + 1) * (math.pi / 2 / _ROWS)
+    out, up = np.cos(angles), np.sin(angles)
+    return np.stack([radius * out, height + radius * up, out, up], axis=1)
+
+
+def _turned(outline: Array) -> Facets:
+    """Return the body that an outline, shape (k, 4), sweeps out around the z axis."""
+    angles = np.arange(AROUND + 1) * (2 * math.pi / AROUND)
+    out = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    distance, height, across, along = (column[:, None, None] for column in outline.T)
+    flat = np.ones((1, AROUND + 1, 1))
+    vertices = np.concatenate([distance * out, height * flat], axis=2)
+    normals = np.concatenate([across * out, along * flat], axis=2)
+    return Facets(vertices.reshape(-1, 3), normals.reshape(-1, 3), _grid(len(outline), AROUND + 1))
+
+
+def _grid(rows: int, columns: int) -> Array:
+    """Return the triangles between the points of a grid, whose rows follow one another."""
+    corner = np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)
+    a, b, c, d = corner, corner + 1, corner + columns + 1, corner + columns
+    return np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3)
+
+
+def _ball(core: tuple[float, float, float], radius: float) -> Facets:
+    """Return a box of these half edges to which a ball is added; without one, a plain box.
+
+    Each face is a grid on a cube, blown up to the ball and moved out to its corner of the core.
+    """
+    steps = np.tan(np.linspace(-math.pi / 4, math.pi / 4, 2 * (_ROWS // 2) + 1))
+    half = len(steps) // 2
+    # the middle row belongs to both halves, between which the face of the core lies
+    steps = np.concatenate([steps[: half + 1], steps[half:]]) if radius else np.array([-1.0, 1.0])
+    sides = np.repeat([-1.0, 1.0], len(steps) // 2)
+    parts = [
+        _face(np.array(core), radius, axis, sign, steps, sides)
+        for axis in range(3)
+        for sign in (-1.0, 1.0)
+    ]
+    return _joined(parts)
+
+
+def _face(core: Array, radius: float, axis: int, sign: float, steps: Array, sides: Array) -> Facets:
+    u, v = (axis + 1) % 3, (axis + 2) % 3
+    normals = np.zeros((len(steps), len(steps), 3))
+    normals[..., axis] = sign
+    corners = normals.copy()
+    corners[..., u], corners[..., v] = sides[None, :], sides[:, None]
+    if radius:
+        normals[..., u], normals[..., v] = steps[None, :], steps[:, None]
+        normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+    triangles = _grid(len(steps), len(steps))
+    if sign < 0:
+        triangles = triangles[:, ::-1]
+    vertices = corners * core + radius * normals
+    return Facets(vertices.reshape(-1, 3), normals.reshape(-1, 3), triangles)
+
+
+def _joined(parts: list[Facets]) -> Facets:
+    starts = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
+    return Facets(
+        np.concatenate([part.vertices for part in parts]),
+        np.concatenate([part.normals for part in parts]),
+        np.concatenate([part.triangles + start for part, start in zip(parts, starts, strict=True)]),
+    )
+
+
+def _flat(vertices: Array, faces: Array) -> Facets:
+    """Return a polyhedron, each face with vertices and one normal of its own."""
+    corners = vertices[faces]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(across, axis=1, keepdims=True)
+    normals = np.repeat(across / np.where(lengths > 0, lengths, 1.0), 3, axis=0)
+    return Facets(corners.reshape(-1, 3), normals, np.arange(3 * len(faces)).reshape(-1, 3))
