@@ -217,9 +217,9 @@ def _recorded(
             files.partial(output) as stream,
             nullcontext() if of_events is None else files.partial(of_events) as event_stream,
             BulletWorld(plan) as world,
+            CsvRecorder(stream, names, flush_rows=output == "-") as recorder,
             terminal.progress(steps, "simulating") as advance,
         ):
-            recorder = CsvRecorder(stream, names, flush_rows=output == "-")
             events = None if event_stream is None else EventRecorder(event_stream, plan)
             write = recorder.write if spool is None else spool.onward_to(recorder.write)
             tell = None if events is None else events.write

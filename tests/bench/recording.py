@@ -35,8 +35,7 @@ def seconds_of(plan: Plan, stream: TextIO) -> float:
     """Time the stepping loop, the CSV included."""
     stream.seek(0)
     stream.truncate()
-    with BulletWorld(plan) as world:
-        recorder = CsvRecorder(stream, columns.header(plan))
+    with BulletWorld(plan) as world, CsvRecorder(stream, columns.header(plan)) as recorder:
         return run(plan, world, recorder.write, STEPS, time.perf_counter).wall_time
 
 
