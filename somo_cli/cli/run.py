@@ -85,13 +85,15 @@ def run(
     ] = None,
     explains: Annotated[
         bool,
-        typer.Option("--explain", help="Say before the run what it leaves out, and why."),
+        typer.Option(
+            "--explain", help="Say before the run what it leaves out, why, and what that saves."
+        ),
     ] = False,
     keeps_everything: Annotated[
         bool,
         typer.Option(
             "--keep-everything",
-            help="Load shapes that no result needs all the same. It changes no result.",
+            help="Load shapes and read state that no result needs. It changes no result.",
         ),
     ] = False,
     sets: SetOption = None,

@@ -46,9 +46,10 @@ class Rows:
         ]
         self._parts: list[_BodyRows | _ThingRows] = [*bodies, *self._things]
         kinds = {group.quantity for group in groups} | {group.reading for group in of_things}
-        self._has_touches = not _TOUCHED.isdisjoint(kinds)
-        self.needs_next_step = plan.integrator == "implicit" and not (
-            (_RATES | {"velocity"}).isdisjoint(kinds)
+        keeps_all = plan.keeps_everything
+        self._has_touches = keeps_all or not _TOUCHED.isdisjoint(kinds)
+        self.needs_next_step = plan.integrator == "implicit" and (
+            keeps_all or not (_RATES | {"velocity"}).isdisjoint(kinds)
         )
         self._is_counting = "angles" in kinds
         self._time_step = plan.time_step
