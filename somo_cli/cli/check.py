@@ -50,7 +50,9 @@ def check(
     plan: Annotated[
         bool,
         typer.Option(
-            "--plan", help="Print what a run of one scene leaves out, and why, beside the findings."
+            "--plan",
+            help="Print what a run of one scene leaves out, why, and what that saves, beside the "
+            "findings.",
         ),
     ] = False,
     is_strict: Annotated[

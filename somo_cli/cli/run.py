@@ -85,13 +85,15 @@ def run(
     ] = None,
     explains: Annotated[
         bool,
-        typer.Option("--explain", help="Say before the run what it leaves out, and why."),
+        typer.Option(
+            "--explain", help="Say before the run what it leaves out, why, and what that saves."
+        ),
     ] = False,
     keeps_everything: Annotated[
         bool,
         typer.Option(
             "--keep-everything",
-            help="Load shapes that no result needs all the same. It changes no result.",
+            help="Load shapes and read state that no result needs. It changes no result.",
         ),
     ] = False,
     sets: SetOption = None,
@@ -218,9 +220,9 @@ def _recorded(
             files.partial(output) as stream,
             nullcontext() if of_events is None else files.partial(of_events) as event_stream,
             BulletWorld(plan) as world,
+            CsvRecorder(stream, names, flush_rows=output == "-") as recorder,
             terminal.progress(steps, "simulating") as advance,
         ):
-            recorder = CsvRecorder(stream, names, flush_rows=output == "-")
             events = None if event_stream is None else EventRecorder(event_stream, plan)
             write = recorder.write if spool is None else spool.onward_to(recorder.write)
             tell = None if events is None else events.write

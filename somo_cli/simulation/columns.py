@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
-from somo_cli.manipulator.kinematics import Pose, link_poses
+from somo_cli.manipulator.kinematics import Frame, Kinematics, Pose
 from somo_cli.simulation import contact_columns, thing_columns
 from somo_cli.simulation.contact_columns import LOAD, TOTAL, pair_names
 from somo_cli.simulation.dynamics import ChainDynamics
@@ -34,6 +33,7 @@ OF_BASE = frozenset({"link_positions", "link_orientations", "base_pose", "tip_po
 class State:
     """One body at one instant, in engine units: angles, rates and actuation by joint.
 
+    `base_pose` is the pose of the base's URDF frame in the world, if a column needs it, and
     `base_velocity` holds the velocity of the base's centre of mass and its spin, in the world;
     `number` is that of the body, and `touches` all that touched anything in the step before.
     """
@@ -42,23 +42,23 @@ class State:
     angles: Sequence[float]
     rates: Sequence[float]
     actuation: Sequence[float]
-    base: Callable[[], Pose]
+    base_pose: Pose
     base_velocity: tuple[Vector, Vector]
     gravity: Vector
+    kinematics: Kinematics
     dynamics: Callable[[], ChainDynamics]
     number: int = 0
     others: Sequence[int] = ()
     touches: Sequence[Touch] = ()
+    _frames: Sequence[Frame] | None = field(default=None, init=False)
 
-    @cached_property
-    def base_pose(self) -> Pose:
-        """Pose of the base's URDF frame in the world; read only if a column needs it."""
-        return self.base()
-
-    @cached_property
-    def poses(self) -> tuple[Pose, ...]:
-        """Pose of every link frame in the world, root first."""
-        return link_poses(self.body.chain, self.angles, self.base_pose)
+    @property
+    def frames(self) -> Sequence[Frame]:
+        """Every link frame in the world, root first."""
+        if self._frames is None:
+            base = self.base_pose
+            self._frames = self.kinematics.frames(self.angles, (base.position, base.rotation))
+        return self._frames
 
 
 Reader: TypeAlias = Callable[[State, Units], Sequence[float]]
@@ -190,8 +190,9 @@ def _rates(state: State, units: Units) -> Sequence[float]:
 
 
 def _spring_torques(state: State, units: Units) -> Sequence[float]:
+    torque = units.torque
     return [
-        -joint.stiffness * (angle - joint.neutral_position) / units.torque
+        -joint.stiffness * (angle - joint.neutral_position) / torque
         for joint, angle in zip(state.body.chain.joints, state.angles, strict=True)
     ]
 
@@ -212,14 +213,14 @@ def _curvatures(state: State, units: Units) -> Sequence[float]:
 
 def _link_positions(state: State, units: Units) -> Sequence[float]:
     length = units.length
-    return [coordinate / length for pose in state.poses for coordinate in pose.position]
+    return [coordinate / length for position, _ in state.frames for coordinate in position]
 
 
 def _link_orientations(state: State, units: Units) -> Sequence[float]:
     return [
         component
-        for pose in state.poses
-        for component in geometry.quaternion_from_rotation(pose.rotation)
+        for _, rotation in state.frames
+        for component in geometry.quaternion_from_rotation(rotation)
     ]
 
 
@@ -232,7 +233,7 @@ def _base_pose(state: State, units: Units) -> Sequence[float]:
 def _tip_position(state: State, units: Units) -> Sequence[float]:
     chain = state.body.chain
     ends = [(limb.last_link, limb.tip) for limb in chain.limbs] or [(-1, chain.tip)]
-    places = (state.poses[link].point(position) for link, position in ends)
+    places = (Pose(*state.frames[link]).point(position) for link, position in ends)
     return [coordinate / units.length for place in places for coordinate in place]
 
 

@@ -1,12 +1,14 @@
-"""What a plan leaves out of a run and what it keeps, and why: told before any engine starts."""
+"""What a plan leaves out of a run and keeps, why, and what that saves; before any engine."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from somo_cli.simulation import columns
+from somo_cli.simulation import columns, savings
+from somo_cli.simulation.penetration import steps_between_looks
 from somo_cli.simulation.plan import Plan
+from somo_cli.simulation.runner import CALM_REFRESH, STEPS_BETWEEN_LOOKS, SWIFT_REFRESH
 
 _FORCES = frozenset({"contact_force", "contact_pairs", "link_contact_forces"})
 _VELOCITIES = frozenset({"joint_rates", "energy", "velocity"})
@@ -14,28 +16,42 @@ _VELOCITIES = frozenset({"joint_rates", "energy", "velocity"})
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """One thing that a run could do: whether it does, and why or why not."""
+    """One thing that a run could do: whether it does, and why or why not.
+
+    `saves` says what that spares in this scene, None where it spares nothing or cannot be counted.
+    """
 
     what: str
     is_kept: bool
     why: str
+    saves: str | None = None
 
     def __str__(self) -> str:
-        return f"{'kept' if self.is_kept else 'left out':8}  {self.what}: {self.why}"
+        saves = "" if self.saves is None else f"; saves {self.saves}"
+        return f"{'kept' if self.is_kept else 'left out':8}  {self.what}: {self.why}{saves}"
 
 
 def explain(plan: Plan) -> tuple[Decision, ...]:
     """Return every decision of a plan."""
-    return (*_of_shapes(plan), *_of_contact(plan), *_of_joints(plan), *_of_state(plan))
+    return (
+        *_of_shapes(plan),
+        *_of_contact(plan),
+        *_of_joints(plan),
+        *_of_engine(plan),
+        *_of_state(plan),
+    )
 
 
 def plain(plan: Plan) -> list[dict[str, object]]:
     """Return the decisions as plain data."""
-    return [{"what": one.what, "kept": one.is_kept, "why": one.why} for one in explain(plan)]
+    return [
+        {"what": one.what, "kept": one.is_kept, "why": one.why, "saves": one.saves}
+        for one in explain(plan)
+    ]
 
 
 def _of_shapes(plan: Plan) -> Iterator[Decision]:
-    what = "collision shapes"
+    what, solids = "collision shapes", _count(savings.solids(plan), "shape")
     if plan.can_touch:
         parts = [_count(len(plan.bodies), "manipulator")]
         parts += [_count(len(plan.things), "object")] if plan.things else []
@@ -43,26 +59,45 @@ def _of_shapes(plan: Plan) -> Iterator[Decision]:
         yield Decision(what, True, f"{', '.join(parts)} can touch")
     else:
         why = "one manipulator, no ground, no objects, self_collision off: nothing can touch"
-        why = f"asked for, though {why}" if plan.keeps_everything else why
-        yield Decision(what, plan.keeps_everything, why)
-    why = "asked for" if plan.keeps_everything else "nothing is rendered"
-    yield Decision("visual shapes", plan.keeps_everything, why)
+        if plan.keeps_everything:
+            yield Decision(what, True, f"asked for, though {why}")
+        else:
+            yield Decision(what, False, why, f"{solids} to move in every step")
+    if plan.keeps_everything:
+        yield Decision("visual shapes", True, "asked for")
+    else:
+        yield Decision("visual shapes", False, "nothing is rendered", solids)
+    merged = savings.merged_links(plan)
+    why = "what is rigid is one link" if merged else "every link is one solid"
+    saves = f"{_count(merged, 'link')} and as many fixed joints" if merged else None
+    yield Decision("links joined by fixed joints", False, why, saves)
 
 
 def _of_contact(plan: Plan) -> Iterator[Decision]:
     if not plan.can_touch:
         yield Decision("looks at how deep bodies are in each other", False, "nothing can touch")
         return
-    yield Decision("looks at how deep bodies are in each other", True, "at most 8 ms apart")
+    between = steps_between_looks(plan.time_step, STEPS_BETWEEN_LOOKS)
+    told = f"the list of contact points in {between - 1} of {between} steps"
+    what, seldom = "looks at how deep bodies are in each other", "at most 8 ms apart"
+    yield Decision(what, True, seldom, told if between > 1 else None)
     able = [body.name for body in plan.bodies if body.collides_with_itself]
     why = f"of {', '.join(able)}" if able else "self_collision is off"
-    yield Decision("collisions within a manipulator", bool(able), why)
+    spared = savings.own_pairs(plan)
+    saves = f"{'at least ' if able else ''}{_count(spared, 'pair')} of links" if spared else None
+    yield Decision("collisions within a manipulator", bool(able), why, saves)
+    if held := savings.held_pairs(plan):
+        saves = _count(held, "pair")
+        yield Decision("collisions of what is held", False, "neither would yield", saves)
     rebounds = any(surface.restitution > 0 for surface in plan.surfaces)
     why = "a restitution is above 0" if rebounds else "no restitution is above 0"
     yield Decision("engine parameters for rebounds", rebounds, why)
     is_directed = any(surface.anisotropy is not None for surface in plan.surfaces)
-    why = "a surface has anisotropic_friction" if is_directed else "no anisotropic_friction"
-    yield Decision("friction by direction, between the engine's steps", is_directed, why)
+    what = "friction by direction, between the engine's steps"
+    if is_directed:
+        yield Decision(what, True, "a surface has anisotropic_friction")
+    else:
+        yield Decision(what, False, "no anisotropic_friction", "a look at contact in every step")
 
 
 def _of_joints(plan: Plan) -> Iterator[Decision]:
@@ -73,13 +108,25 @@ def _of_joints(plan: Plan) -> Iterator[Decision]:
         if rubbing
         else "no dry friction"
     )
-    yield Decision("motor rows of joints", rubbing > 0, why)
+    spared = len(joints) - rubbing
+    # every joint has a motor by default, whose row asks the solver for all of its iterations
+    saves = f"{_count(spared, 'row')} in every step" if spared else None
+    yield Decision("motor rows of joints", rubbing > 0, why, saves)
     limited = sum(joint.is_limited for joint in joints)
+    # seen in 3.2.7: a limit has a row only while its joint is beyond it
     why = (
-        f"{_count(limited, 'joint')} of {len(joints)} have them" if limited else "no joint has any"
+        f"{_count(limited, 'joint')} of {len(joints)} have them, a row only beyond one"
+        if limited
+        else "no joint has any"
     )
-    yield Decision("joint limits", limited > 0, why)
-    yield Decision("dampers, springs and sleeping of the engine", False, "in nobody's model")
+    saves = f"{_count(limited, 'row')} in steps in which all joints are within" if limited else None
+    yield Decision("joint limits", limited > 0, why, saves)
+    angles = f"{SWIFT_REFRESH:g} rad, moving slowly {CALM_REFRESH:g} rad"
+    why = f"renewed once joints have moved by {angles}, or less where it changes faster"
+    sizes = sorted({len(body.chain.joints) for body in plan.bodies})
+    of_sizes = ", ".join(f"{size} x {size}" for size in sizes)
+    saves = f"inertia and inverse, {of_sizes}, of {_count(len(plan.bodies), 'body')} in all others"
+    yield Decision("inertia of the joints in every step", False, why, saves)
     paths = [*(body.path for body in plan.bodies), *(one.path for one in plan.things)]
     moved = any(path is not None for path in paths)
     yield Decision("prescribed motion", moved, "motion is given" if moved else "no motion is given")
@@ -87,24 +134,56 @@ def _of_joints(plan: Plan) -> Iterator[Decision]:
     yield Decision("external loads", is_loaded, "loads are given" if is_loaded else "no loads")
 
 
+def _of_engine(plan: Plan) -> Iterator[Decision]:
+    yield Decision("dampers and springs of the engine", False, "in nobody's model")
+    yield Decision("sleeping of the engine", False, "springs act on what is at rest as well")
+    # as many as `bullet` allows; without a row the first one is the last
+    why = "200 for constraints, contacts, limits and dry friction, one in a step without any"
+    yield Decision("iterations of the solver", True, why)
+
+
 def _of_state(plan: Plan) -> Iterator[Decision]:
     kinds = {group.quantity for group in columns.groups(plan)}
     of_things = {group.reading for group in columns.thing_groups(plan)}
     recorded = ", ".join(sorted({*kinds, *of_things})) or "nothing but the time"
     every = "every step" if plan.every == 1 else f"every {plan.every} steps"
-    yield Decision("recorded state", True, f"{recorded}, {every}")
+    yield Decision("recorded state", True, f"{recorded}, {every}", _spared_columns(plan))
     both = {*kinds, *of_things}
-    has_forces = not _FORCES.isdisjoint(both)
-    why = "columns need them" if has_forces else "no column needs them"
-    yield Decision("contact points of recorded steps", has_forces, why)
+    what = "contact points of recorded steps"
+    if not _FORCES.isdisjoint(both):
+        yield Decision(what, True, "columns need them")
+    else:
+        saves = "their list for every row" if plan.can_touch else None
+        yield _unless_asked(plan, what, "no column needs them", saves)
     # with the implicit law velocities live at half steps, so a row needs the step after it
-    halves = plan.integrator == "implicit" and not _VELOCITIES.isdisjoint(both)
-    why = "columns need velocities" if halves else "no column needs velocities between steps"
-    yield Decision("the step after a recorded one, by itself", halves, why)
+    halves = plan.integrator == "implicit"
+    what = "the step after a recorded one, by itself"
+    if halves and not _VELOCITIES.isdisjoint(both):
+        yield Decision(what, True, "columns need velocities")
+    elif halves:
+        saves = "a stop of the loop for every row" if plan.every > 1 else None
+        yield _unless_asked(plan, what, "no column needs velocities between steps", saves)
+    else:
+        yield Decision(what, False, "no column needs velocities between steps")
     ends = bool(plan.stops)
     why = f"{_count(len(plan.stops), 'condition')} of stop" if ends else "no stop is given"
-    yield Decision("looks at what ends the run", ends, why)
+    saves = None if ends else f"a look every {STEPS_BETWEEN_LOOKS} steps"
+    yield Decision("looks at what ends the run", ends, why, saves)
+
+
+def _unless_asked(plan: Plan, what: str, why: str, saves: str | None) -> Decision:
+    if plan.keeps_everything:
+        return Decision(what, True, f"asked for, though {why}")
+    return Decision(what, False, why, saves)
+
+
+def _spared_columns(plan: Plan) -> str | None:
+    told, at_hand = len(columns.header(plan)) - 1, savings.columns_at_hand(plan)
+    parts = [f"{at_hand - told} of {at_hand} columns in every row"] if told < at_hand else []
+    parts += [f"all of them in {plan.every - 1} of {plan.every} steps"] if plan.every > 1 else []
+    return " and ".join(parts) or None
 
 
 def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}{'' if number == 1 else 's'}"
+    plural = "bodies" if noun == "body" else f"{noun}s"
+    return f"{number} {noun if number == 1 else plural}"

@@ -43,6 +43,7 @@ class MovedRunner(Runner):
         self._moved = world_body
         self._step = plan.time_step
         self._time = -1.0
+        self._is_held = False  # whether the base was told to stay where it is
         self._centre = body.chain.links[0].inertial.centre
         self._goal = path.at(0.0)
         # of the base in the last step and in the coming one, shape (6,): spin, then velocity of
@@ -64,7 +65,11 @@ class MovedRunner(Runner):
             self._time, self._goal = time, goal
             self._refuse_to_whirl()
             self._allowance.advance(self._before, self._after)
-        self._moved.move_base(self._goal, not self._after.any())
+        is_at_rest = not self._after.any()
+        # told anew, a base at rest would be moved by rounding, wherever a row happens to fall
+        if not (is_at_rest and self._is_held):
+            self._moved.move_base(self._goal, is_at_rest)
+        self._is_held = is_at_rest
 
     def steady_until(self, time: float) -> float:
         """Return the time [s] up to which `actuate` changes nothing after `time`."""

@@ -137,7 +137,7 @@ class Plan:
     ends_in_row: bool = False
     """Whether the last step is recorded wherever it falls; so where a stop may end the run."""
     keeps_everything: bool = False
-    """Whether shapes that no result needs are loaded all the same."""
+    """Whether shapes are loaded and state is read that no result needs."""
 
     @property
     def surfaces(self) -> tuple[Surface, ...]:
@@ -149,7 +149,7 @@ class Plan:
 def make_plan(scene: Scene, keeps_everything: bool = False) -> Plan:
     """Return the plan of a scene; the only place where SI becomes engine units.
 
-    With `keeps_everything` the shapes that no result needs are loaded all the same.
+    With `keeps_everything` shapes are loaded and state is read that no result needs.
     """
     acceleration = scene.scale.factor(Dimension(length=1, time=-2))
     can_touch = (
@@ -169,7 +169,9 @@ def make_plan(scene: Scene, keeps_everything: bool = False) -> Plan:
         every=scene.every,
         columns=scene.columns,
         ground=None if scene.ground is None else scaled(scene.ground, scene.scale),
-        things=tuple(_thing(one, scene.scale) for one in placed(scene.things, scene.ground)),
+        things=tuple(
+            _thing(one, scene.scale, keeps_everything) for one in placed(scene.things, scene.ground)
+        ),
         of_things=scene.of_things if scene.things else (),
         only=scene.only,
         stops=tuple(scaled(one, scene.scale) for one in scene.stops),
@@ -210,14 +212,14 @@ def _path(motion: Motion | None, start: Pose, scale: Scale) -> Path | None:
     return None if motion is None else scaled(motion, scale).path_from(start)
 
 
-def _thing(one: Thing, scale: Scale) -> PlannedThing:
+def _thing(one: Thing, scale: Scale, keeps_everything: bool) -> PlannedThing:
     thing = scaled(one, scale)
     start = Pose(thing.position, geometry.rotation_from_rpy(thing.rpy))
     path = _path(one.motion, start, scale)
     (link,) = thing.chain.links
     if not compound.is_plain(link):
         return PlannedThing(thing, "", compound.compound(link), path)
-    text = urdf.render_for_engine(thing.chain, with_collisions=True)
+    text = urdf.render_for_engine(thing.chain, with_collisions=True, with_visuals=keeps_everything)
     return PlannedThing(thing, text, path=path)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
+from somo_cli.manipulator.kinematics import Kinematics, Pose
 from somo_cli.simulation import columns, thing_columns
 from somo_cli.simulation.columns import Group, State, ThingGroup
 from somo_cli.simulation.contact_columns import others_of
@@ -45,9 +46,10 @@ class Rows:
         ]
         self._parts: list[_BodyRows | _ThingRows] = [*bodies, *self._things]
         kinds = {group.quantity for group in groups} | {group.reading for group in of_things}
-        self._has_touches = not _TOUCHED.isdisjoint(kinds)
-        self.needs_next_step = plan.integrator == "implicit" and not (
-            (_RATES | {"velocity"}).isdisjoint(kinds)
+        keeps_all = plan.keeps_everything
+        self._has_touches = keeps_all or not _TOUCHED.isdisjoint(kinds)
+        self.needs_next_step = plan.integrator == "implicit" and (
+            keeps_all or not (_RATES | {"velocity"}).isdisjoint(kinds)
         )
         self._is_counting = "angles" in kinds
         self._time_step = plan.time_step
@@ -88,26 +90,28 @@ class _BodyRows:
         self._units = units
         kinds = {group.quantity for group in groups}
         can_move = runner.body.base != "static"
-        # a base that can move is read at the step, not when a column asks
-        self._has_base = can_move and not kinds.isdisjoint(columns.OF_BASE)
+        # a base that can move is read at every row's step, any other once
+        is_base_told = not kinds.isdisjoint(columns.OF_BASE)
+        self._has_base = can_move and is_base_told
+        self._base = runner.world_body.base_pose() if is_base_told else Pose()
         self._has_velocity = can_move and "energy" in kinds
         self._has_rates = not _RATES.isdisjoint(kinds)
+        self._kinematics = Kinematics(runner.body.chain)
         self._readings = [(columns.READINGS[one.quantity], one.kept) for one in groups]
 
     def take(self, touches: Sequence[Touch]) -> None:
         runner, law = self._runner, self._runner.law
-        base = runner.world_body.base_pose
         if self._has_base:
-            pose = base()
-            base = lambda: pose  # noqa: E731
+            self._base = runner.world_body.base_pose()
         self._state = State(
             runner.body,
             law.angles.tolist(),
             law.rates.tolist(),
             runner.actuation.tolist(),
-            base,
+            self._base,
             runner.world_body.base_velocity() if self._has_velocity else _STILL,
             self._gravity,
+            self._kinematics,
             runner.dynamics,
             self._number,
             self._others,

@@ -1,1 +1,5 @@
-"""Measurements, run by `make bench`."""
+"""Measurements, run by `make bench`; numpy has one thread in them, as under the command."""
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

@@ -1,27 +1,36 @@
 """What rows cost: a finger of ten joints, with 64 columns and with 5, recorded every so many steps.
 
 Run by `make bench`. The runs are timed in turn, round after round, and the ratios to the run
-that records nothing are taken round by round; printed are their medians. The CSV is a real file.
+that records nothing are taken round by round; printed are their medians, and what of it is the
+decimals alone. Times are the processor's; the CSV is a real file. Then the peak memory of a whole
+command that records every step, by the number of its steps.
 """
 
 from __future__ import annotations
 
+import argparse
 import dataclasses
+import os
 import statistics
+import subprocess
+import sys
 import tempfile
 import time
+from collections.abc import Iterable
 from typing import TextIO
 
-from somo_cli.simulation import columns
+import numpy as np
+
+from somo_cli.simulation import columns, decimals
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.recorder import CsvRecorder
 from somo_cli.simulation.run import run
 from somo_cli.simulation.scene import Quantity
 from tests.bench.stepping import plan_of
+from tests.loading import DEFINITIONS
 
 STEPS = 4000
-ROUNDS = 7
 RECORDED: tuple[Quantity, ...] = (
     "joint_angles",
     "joint_rates",
@@ -29,6 +38,7 @@ RECORDED: tuple[Quantity, ...] = (
     "link_positions",
 )
 EVERY = (1, 10, 100)
+CLOCK = time.process_time
 
 
 def seconds_of(plan: Plan, stream: TextIO) -> float:
@@ -36,30 +46,77 @@ def seconds_of(plan: Plan, stream: TextIO) -> float:
     stream.seek(0)
     stream.truncate()
     with BulletWorld(plan) as world:
-        recorder = CsvRecorder(stream, columns.header(plan))
-        return run(plan, world, recorder.write, STEPS, time.perf_counter).wall_time
+        started = CLOCK()
+        with CsvRecorder(stream, columns.header(plan)) as recorder:
+            run(plan, world, recorder.write, STEPS, CLOCK)
+        return CLOCK() - started
 
 
-def main() -> None:
+def seconds_of_decimals(plan: Plan) -> float:
+    """Time the decimals of all rows of a plan, as the recorder makes them, and nothing else."""
+    rows: list[list[float]] = []
+
+    def keep(values: Iterable[float]) -> None:
+        rows.append(list(values))
+
+    with BulletWorld(plan) as world:
+        run(plan, world, keep, STEPS, CLOCK)
+    blocks = np.array_split(np.array(rows), max(1, len(rows) * len(rows[0]) // 4096))
+    started = CLOCK()
+    for block in blocks:
+        decimals.lines(block)
+    return CLOCK() - started
+
+
+def megabytes_of_run(steps: int) -> float:
+    """Return the peak memory of `somo run` that records every step."""
+    scene, here = str(DEFINITIONS / "planar_finger_scene.yaml"), str(DEFINITIONS.parent)
+    command = [sys.executable, "-m", "somo_cli", "run", scene, "--steps", str(steps), "-q"]
+    process = subprocess.Popen(
+        [*command, "--every", "1", "-o", os.devnull], env=os.environ | {"PYTHONPATH": here}
+    )
+    _, status, used = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    assert process.returncode == 0
+    return used.ru_maxrss / (2**20 if sys.platform == "darwin" else 2**10)
+
+
+def print_overheads(rounds: int) -> None:
     """Print what recording adds to the time of a run."""
     whole = dataclasses.replace(plan_of(10), columns=RECORDED)
     picked = dataclasses.replace(whole, only=("*.tip.*", "*_01.angle_rad"))
     picked = dataclasses.replace(picked, columns=(*RECORDED, "tip_position"))
     bare = dataclasses.replace(whole, columns=(), every=STEPS)
     plans = {
-        (plan, every): dataclasses.replace(plan, every=every)
+        f"{len(columns.header(plan))} columns every {every:3} steps": dataclasses.replace(
+            plan, every=every
+        )
         for plan in (whole, picked)
         for every in EVERY
     }
-    ratios: dict[tuple[str, int], list[float]] = {}
+    plans["the time alone every   1 steps"] = dataclasses.replace(bare, every=1)
+    ratios: dict[str, list[float]] = {}
+    shares: dict[str, list[float]] = {}
     with tempfile.TemporaryFile("w", encoding="utf-8", newline="\n") as stream:
-        for _ in range(ROUNDS):
+        for _ in range(rounds):
             nothing = seconds_of(bare, stream)
-            for (plan, every), one in plans.items():
-                name = f"{len(columns.header(plan))} columns"
-                ratios.setdefault((name, every), []).append(seconds_of(one, stream) / nothing)
-    for (name, every), found in ratios.items():
-        print(f"{name:>11} every {every:3} steps: {statistics.median(found) - 1:+5.0%} run time")
+            for name, plan in plans.items():
+                ratios.setdefault(name, []).append(seconds_of(plan, stream) / nothing)
+                shares.setdefault(name, []).append(seconds_of_decimals(plan) / nothing)
+    for name, found in ratios.items():
+        more, share = statistics.median(found) - 1, statistics.median(shares[name])
+        print(f"{name:>30}: {more:+5.0%} run time, decimals {share:+4.0%}")
+
+
+def main() -> None:
+    """Print what recording costs in time and in memory."""
+    arguments = argparse.ArgumentParser(description=__doc__)
+    arguments.add_argument("--rounds", type=int, default=7)
+    arguments.add_argument("--steps", type=int, nargs="*", default=[10_000, 1_000_000])
+    options = arguments.parse_args()
+    print_overheads(options.rounds)
+    for steps in options.steps:
+        print(f"peak memory of {steps} steps, each recorded: {megabytes_of_run(steps):.1f} MB")
 
 
 if __name__ == "__main__":

@@ -1,9 +1,10 @@
-"""Time of one step: ours against the bare engine and the classic loop, on the same body.
+"""Time of one step: ours against the bare engine, the classic loop and MuJoCo, on the same body.
 
-Run by `make bench`. They are timed in turn, round after round, so that a machine whose
-speed drifts does not favour one; printed are medians over the rounds, and the medians of the
-ratios taken round by round. Every loop starts from rest and bends the finger by the same torque
-over half a second; ours records every 100th step.
+Run by `make bench`. They are timed in turn, round after round, so that a machine whose speed drifts
+does not favour one; printed are medians over the rounds, the medians of the ratios taken round by
+round, and how fast cost grows with the number of joints. Times are those of the processor, which
+other processes disturb least. Every loop starts from rest and bends the finger by the same torque
+over half a second; ours and MuJoCo's record every 100th step.
 """
 
 from __future__ import annotations
@@ -12,15 +13,22 @@ import argparse
 import dataclasses
 import statistics
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
+
+import mujoco
+import numpy as np
 
 from somo_cli.simulation import run as stepping
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.bullet_body import BulletBody
 from somo_cli.simulation.plan import Plan, make_plan
 from tests.loading import scene_from_file
+from tests.simulation.mujoco_reference import model_of
 
 STEPS = 1000
+STEPS_OF_CLASSIC = 200  # each costs the same, and those of long chains milliseconds
+JOINTS = (5, 10, 20, 40, 80, 120)
+CLOCK = time.process_time
 
 
 def plan_of(joints: int) -> Plan:
@@ -48,17 +56,17 @@ def microseconds_of_ours(plan: Plan) -> float:
     """Time our loop, all of it, recording included."""
     rows: list[Iterable[float]] = []
     with BulletWorld(plan) as world:
-        summary = stepping.run(plan, world, rows.append, STEPS, time.perf_counter)
+        summary = stepping.run(plan, world, rows.append, STEPS, CLOCK)
     return summary.wall_time / STEPS * 1e6
 
 
 def microseconds_of_bare(plan: Plan) -> float:
     """Time the engine alone, the body at rest without gravity: falling, it would hit its limits."""
     with BulletWorld(dataclasses.replace(plan, gravity=(0.0, 0.0, 0.0))) as world:
-        started = time.perf_counter()
+        started = CLOCK()
         for _ in range(STEPS):
             world.step()
-        return (time.perf_counter() - started) / STEPS * 1e6
+        return (CLOCK() - started) / STEPS * 1e6
 
 
 def microseconds_of_calls(plan: Plan) -> float:
@@ -66,12 +74,12 @@ def microseconds_of_calls(plan: Plan) -> float:
     with BulletWorld(dataclasses.replace(plan, gravity=(0.0, 0.0, 0.0))) as world:
         body = world.bodies[0]
         torques = [0.0] * len(plan.bodies[0].chain.joints)
-        started = time.perf_counter()
+        started = CLOCK()
         for _ in range(STEPS):
             body.apply(torques)
             world.step()
             body.joint_states()
-        return (time.perf_counter() - started) / STEPS * 1e6
+        return (CLOCK() - started) / STEPS * 1e6
 
 
 def microseconds_of_classic(plan: Plan) -> float:
@@ -91,8 +99,8 @@ def microseconds_of_classic(plan: Plan) -> float:
             bullet.setJointMotorControl2(
                 index, joint, bullet.VELOCITY_CONTROL, force=1.0, physicsClientId=client
             )
-        started = time.perf_counter()
-        for _ in range(STEPS):
+        started = CLOCK()
+        for _ in range(STEPS_OF_CLASSIC):
             for joint, spring in enumerate(joints):
                 angle = bullet.getJointState(index, joint, client)[0]
                 torque = -spring.stiffness * (angle - spring.neutral_position)
@@ -100,39 +108,74 @@ def microseconds_of_classic(plan: Plan) -> float:
                     index, joint, bullet.TORQUE_CONTROL, force=torque, physicsClientId=client
                 )
             world.step()
-        return (time.perf_counter() - started) / STEPS * 1e6
+        return (CLOCK() - started) / STEPS_OF_CLASSIC * 1e6
+
+
+def microseconds_of_mujoco(plan: Plan) -> float:
+    """Time MuJoCo on the same chain, one call a step from Python; contact and limits are off.
+
+    Its integrator is `implicitfast`.
+    """
+    (body,) = plan.bodies
+    model = model_of(body.chain, plan.gravity, plan.time_step)
+    model.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    state, rows = mujoco.MjData(model), []
+    drives = [(drive.signal.at, list(drive.joints)) for drive in body.drives]
+    started = CLOCK()
+    for step in range(STEPS):
+        for at, joints in drives:
+            state.qfrc_applied[joints] = at(step * plan.time_step)
+        mujoco.mj_step(model, state)
+        if step % plan.every == 0:
+            rows.append(state.qpos.copy())
+    seconds = CLOCK() - started
+    assert not any(warning.number for warning in state.warning), "MuJoCo gave the run up"
+    return seconds / STEPS * 1e6
+
+
+LOOPS: dict[str, Callable[[Plan], float]] = {
+    "bare": microseconds_of_bare,
+    "calls": microseconds_of_calls,
+    "ours": microseconds_of_ours,
+    "classic": microseconds_of_classic,
+    "mujoco": microseconds_of_mujoco,
+}
+RATIOS = (("calls", "bare"), ("ours", "bare"), ("classic", "ours"), ("ours", "mujoco"))
+
+
+def exponent(joints: Sequence[int], times: Sequence[float]) -> float:
+    """Return p of the fit of times by c n^p."""
+    return float(np.polyfit(np.log(joints), np.log(times), 1)[0])
 
 
 def main() -> None:
     """Print the table."""
     arguments = argparse.ArgumentParser(description=__doc__)
-    arguments.add_argument("--joints", type=int, nargs="*", default=[10, 40])
-    arguments.add_argument("--rounds", type=int, default=15)
+    arguments.add_argument("--joints", type=int, nargs="*", default=JOINTS)
+    arguments.add_argument("--rounds", type=int, default=9)
     options = arguments.parse_args()
     print(f"{STEPS} steps of 1 ms, medians of {options.rounds} rounds, recording every 100th step")
-    print("calls: bare + reading all joints + writing all torques, the floor of a loop in Python\n")
-    print(
-        "joints    bare   calls    ours  classic [us]  calls/bare  ours/bare  classic/ours  steps/s"
-    )
-    loops = (
-        microseconds_of_bare,
-        microseconds_of_calls,
-        microseconds_of_ours,
-        microseconds_of_classic,
-    )
+    print("calls: bare + reading all joints + writing all torques, the floor of a loop in Python")
+    print("times of a step in us, of the processor; ratios\n")
+    ratios = "  ".join(f"{above}/{below}" for above, below in RATIOS)
+    print(f"joints  {''.join(f'{name:>9}' for name in LOOPS)}  {ratios}  steps/s")
+    medians: dict[str, list[float]] = {name: [] for name in LOOPS}
     for joints in options.joints:
         plan = plan_of(joints)
-        rounds = [[loop(plan) for loop in loops] for _ in range(options.rounds)]
-        bare, calls, ours, classic = (
-            statistics.median(times) for times in zip(*rounds, strict=True)
-        )
-        calls_to_bare = statistics.median(calls / bare for bare, calls, _, _ in rounds)
-        ours_to_bare = statistics.median(ours / bare for bare, _, ours, _ in rounds)
-        classic_to_ours = statistics.median(classic / ours for _, _, ours, classic in rounds)
-        print(
-            f"{joints:6d} {bare:7.1f} {calls:7.1f} {ours:7.1f} {classic:13.1f}"
-            f" {calls_to_bare:11.2f} {ours_to_bare:10.2f} {classic_to_ours:13.1f} {1e6 / ours:8.0f}"
-        )
+        rounds = [{name: loop(plan) for name, loop in LOOPS.items()} for _ in range(options.rounds)]
+        for name, found in medians.items():
+            found.append(statistics.median(times[name] for times in rounds))
+        cells = "".join(f"{found[-1]:9.1f}" for found in medians.values())
+        for above, below in RATIOS:
+            ratio = statistics.median(times[above] / times[below] for times in rounds)
+            cells += f"{ratio:{len(above) + len(below) + 3}.2f}"
+        print(f"{joints:6d}  {cells}  {1e6 / medians['ours'][-1]:7.0f}", flush=True)
+    long = [index for index, joints in enumerate(options.joints) if joints >= 10]
+    if len(long) > 1:
+        n = [options.joints[index] for index in long]
+        print(f"\ncost grows with joints, {n[0]} to {n[-1]}, as their number to the power of")
+        for name, found in medians.items():
+            print(f"  {name:8} {exponent(n, [found[index] for index in long]):4.2f}")
 
 
 if __name__ == "__main__":

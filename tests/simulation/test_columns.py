@@ -6,7 +6,7 @@ import dataclasses
 import functools
 import json
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any, get_args
 
@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from somo_cli.manipulator.dimensions import Dimension, Scale
-from somo_cli.manipulator.kinematics import Pose
+from somo_cli.manipulator.kinematics import Kinematics, Pose
 from somo_cli.simulation import columns
 from somo_cli.simulation.bullet import BulletBody, BulletWorld
 from somo_cli.simulation.columns import State
@@ -141,12 +141,10 @@ def state_in(plan: Plan, angles: list[float], base: Pose) -> State:
     by_channel = {(0, 0): 0.3, (0, 1): -0.2, (0, 2): 0.0, (1, 0): 0.7, (2, 0): -1.5}
     actuation = [torque * by_channel[joint.actuator, joint.channel] for joint in body.chain.joints]
     rates = [0.5 * angle + 1 for angle in angles]
-    return state_of(plan, angles, rates, actuation, lambda: moved)
+    return state_of(plan, angles, rates, actuation, moved)
 
 
-def state_of(
-    plan: Plan, angles: Any, rates: Any, actuation: Any, base: Callable[[], Pose]
-) -> State:
+def state_of(plan: Plan, angles: Any, rates: Any, actuation: Any, base: Pose) -> State:
     """Return a state whose base moves at 1 m/s along x and turns at 2 rad/s about z."""
     body, length = plan.bodies[0], plan.scale.factor(Dimension(length=1))
     velocity = (length, 0.0, 0.0), (0.0, 0.0, 2.0)
@@ -154,9 +152,11 @@ def state_of(
     force = plan.scale.factor(Dimension(mass=1, length=1, time=-2))
     rubs = ((1.0, 0.0, 0.0), force), ((0.0, 1.0, 0.0), -2 * force)
     touch = Touch((0, 1), (1, 0), (0.0, 0.0, 0.0), (0.0, 0.0, 1.0), 3 * force, rubs)
+    kinematics = Kinematics(body.chain)
     return State(
-        body, angles, rates, actuation, base, velocity, plan.gravity, dynamics, 0, (1,), [touch]
-    )
+        body, angles, rates, actuation, base, velocity, plan.gravity, kinematics, dynamics,
+        0, (1,), [touch],
+    )  # fmt: skip
 
 
 def row_of(plan: Plan, state: State) -> dict[str, float]:
@@ -278,7 +278,7 @@ def at_a_bent_pose(scale: float) -> Iterator[tuple[Plan, BulletBody, list[float]
 @pytest.mark.parametrize("scale", [1.0, 20.0])
 def test_poses_are_those_of_the_engine(scale: float) -> None:
     with at_a_bent_pose(scale) as (plan, loaded, angles):
-        state = state_of(plan, angles, angles, angles, loaded.base_pose)
+        state = state_of(plan, angles, angles, angles, loaded.base_pose())
         found = row_of(plan, state)
         engine: Any = loaded
         bullet, index, client = engine._bullet, loaded.index, engine._client
@@ -299,13 +299,3 @@ def test_poses_are_those_of_the_engine(scale: float) -> None:
             tip_in_world = position + rotation @ np.array(plan.bodies[0].chain.tip) / scale
         assert [found[f"a.tip.{one}_m"] for one in "xyz"] == pytest.approx(tip_in_world, abs=1e-6)
         assert [found[f"a.base.{one}_m"] for one in "xyz"] == pytest.approx([0.1, -0.2, 0.3])
-
-
-def test_the_base_is_read_only_for_columns_that_need_it() -> None:
-    plan = plan_of(SMALL, "joint_angles", "spring_torques", "actuation", "curvatures")
-
-    def refuse() -> Pose:
-        raise AssertionError
-
-    state = dataclasses.replace(state_in(plan, [0.0] * 3, Pose()), base=refuse)
-    assert len(row_of(plan, state)) == 12

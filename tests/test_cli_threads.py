@@ -1,0 +1,32 @@
+"""The command has numpy work in one thread, unless told otherwise; and does so before numpy is."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+SAY_THREADS = """
+import os, sys
+import somo_cli
+assert "numpy" not in sys.modules and "OPENBLAS_NUM_THREADS" not in os.environ or {told!r}
+import somo_cli.cli
+assert "numpy" not in sys.modules
+print(os.environ["OPENBLAS_NUM_THREADS"])
+"""
+
+
+@pytest.mark.parametrize(("told", "threads"), [({}, "1"), ({"OPENBLAS_NUM_THREADS": "2"}, "2")])
+def test_numpy_has_one_thread_unless_told_otherwise(
+    environment: dict[str, str], told: dict[str, str], threads: str
+) -> None:
+    untold = {key: value for key, value in environment.items() if key != "OPENBLAS_NUM_THREADS"}
+    ended = subprocess.run(
+        [sys.executable, "-c", SAY_THREADS.format(told=told)],
+        env=untold | told,
+        capture_output=True,
+        encoding="utf-8",
+        check=True,
+    )
+    assert ended.stdout.strip() == threads
