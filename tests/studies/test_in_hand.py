@@ -1,0 +1,93 @@
+"""The hand grips and turns its cube; the grip is sharp, the turn within its spread."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.studies.in_hand import OPEN, apart
+from tests.studies.in_hand_turn import PREFIX, SCENE, Turn, moved, setting, turn, turns
+from tests.studies.running import Record, Setting, recorded
+
+pytest.importorskip("pybullet")
+
+GRIP = "record={every: 500, columns: [tip_position], objects: [pose, contact_pairs]}"
+
+
+def grip(*sets: str, time_step: float = 1e-3) -> tuple[float, float, float]:
+    """Return normal forces of a finger and the palm [N] after the prefix, the cube's height [m]."""
+    record = recorded(Setting(SCENE, PREFIX, (GRIP, *sets), time_step))
+    finger, palm = (record[f"cube.contact.{name}.normal_n"][-1] for name in ("finger_2", "palm"))
+    assert record["cube.contact.finger_1.normal_n"][-1] == 0
+    return finger, palm, record["cube.pose.z_m"][-1]
+
+
+@pytest.mark.parametrize(
+    ("scale", "step"), [(20, 1e-3), (20, 2e-3), (20, 5e-4), (10, 1e-3), (40, 1e-3)]
+)
+def test_the_grip_is_the_same_at_any_step_and_scale(scale: int, step: float) -> None:
+    found = grip(f"world_scale={scale}", time_step=step)
+    assert found[:2] == pytest.approx((0.5304, 1.3709), rel=3e-3)
+    assert found[2] == pytest.approx(0.115, abs=1e-5)
+
+
+def test_fingers_that_press_slide_down_the_cube() -> None:
+    """Friction is fully used before the cube turns at all, which is why runs drift apart."""
+    record = recorded(Setting(SCENE, PREFIX, (GRIP,), 1e-3))
+    normal, friction, down = (
+        record[f"cube.contact.finger_2.{what}_n"][-1] for what in ("normal", "friction", "fz")
+    )
+    assert friction == pytest.approx(1.2 * normal, rel=1e-3)
+    assert down == pytest.approx(-friction, rel=5e-3)
+    # what presses the cube on the palm is the two fingers and its weight
+    palm = record["cube.contact.palm.normal_n"][-1]
+    assert palm == pytest.approx(0.01 * 9.81 - 2 * down, rel=5e-3)
+
+
+def test_a_cycle_turns_the_cube_and_keeps_it() -> None:
+    starts = (), moved(x=1e-6)
+    runs = turns([setting(*start, cycles=1, time_step=2e-3) for start in starts], processes=1)
+    for run in runs:
+        assert 40 < run.per_cycle < 75
+        assert run.drift < 3e-3
+        assert run.rise < 3e-3
+        assert run.tilt.max() < 3
+        assert abs(run.yaw[run.times <= PREFIX]).max() < 0.01
+    assert PREFIX < apart(runs) < 4
+
+
+def test_the_same_run_gives_the_same_bytes() -> None:
+    first, second = (recorded(Setting(SCENE, PREFIX + 1, (), 2e-3)) for _ in range(2))
+    assert first.columns.keys() == second.columns.keys()
+    assert first["cube.angles.z_rad"][-1] > 0.2
+    for name, values in first.columns.items():
+        assert values.tobytes() == second.columns[name].tobytes(), name
+
+
+def test_cycles_are_counted_from_the_end_of_the_prefix() -> None:
+    times = np.arange(0, 27, 0.1)
+    run = Turn(times, 10 * (times - PREFIX), np.zeros((len(times), 3)), 0 * times)
+    assert run.cycles == pytest.approx([80, 80, 80])
+    assert run.per_cycle == pytest.approx(80)
+
+
+@pytest.mark.slow
+def test_more_torque_aside_turns_it_farther() -> None:
+    weak, strong = (
+        setting(*OPEN["torque aside"][part], cycles=3, time_step=2e-3) for part in (0.7, 1.3)
+    )
+    less, more = turns([weak, strong], processes=1)
+    assert 0 < less.per_cycle < 0.75 * more.per_cycle
+
+
+def test_tilt_is_that_of_the_cubes_own_axis() -> None:
+    half = np.radians(30) / 2
+    zero = np.zeros(1)
+    names = [f"cube.pose.{axis}_m" for axis in "xyz"]
+    columns = dict.fromkeys(names, zero) | {
+        "time_s": zero,
+        "cube.pose.qx": np.array([np.sin(half)]),
+        "cube.pose.qy": zero,
+        "cube.angles.z_rad": zero,
+    }
+    assert turn(Record(columns, None)).tilt == pytest.approx([30])  # type: ignore[arg-type]
