@@ -14,19 +14,20 @@ MARKERS = "osD^vPX*"
 def draw(
     path: Path,
     runs: Sequence[Turn],
+    flat: Sequence[Turn],
     measured: float,
     rates: Mapping[str, Mapping[float, float]],
 ) -> None:
     """Draw all runs, and the turn a cycle over what is changed.
 
-    `measured` is that of the real hand, `rates` are by name and by the factor on the scene's value,
+    `runs` are those on pads, `flat` those on a flat palm, `measured` is that of the real hand, `rates` are by name and by the factor on the scene's value,
     all in degrees a cycle.
     """
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(8.5, 3.8), layout="constrained")
     left, right = figure.subplots(1, 2)
-    _over_time(left, runs, measured)
+    _over_time(left, runs, flat, measured)
     _over_values(right, measured, rates)
     for axes in (left, right):
         axes.grid(visible=True, linewidth=0.3, color="0.85")
@@ -34,10 +35,12 @@ def draw(
     figure.savefig(path, dpi=100, metadata={"Software": None})
 
 
-def _over_time(axes: Any, runs: Sequence[Turn], measured: float) -> None:
-    for number, run in enumerate(runs):
-        label = f"{len(runs)} runs that differ by next to nothing" if number == 0 else None
-        axes.plot(run.times, run.yaw, color="tab:blue", linewidth=0.6, alpha=0.7, label=label)
+def _over_time(axes: Any, runs: Sequence[Turn], flat: Sequence[Turn], measured: float) -> None:
+    kinds = ((flat, "tab:orange", "flat palm"), (runs, "tab:blue", "palm with pads"))
+    for group, color, name in kinds:
+        for number, run in enumerate(group):
+            label = f"{name}, {len(group)} runs" if number == 0 else None
+            axes.plot(run.times, run.yaw, color=color, linewidth=0.6, label=label)
     ends = (PREFIX, PREFIX + CYCLES * CYCLE)
     axes.plot(ends, (0, CYCLES * measured), "k--", linewidth=1, label="the real hand, mean rate")
     axes.set_xlabel("time [s]")

@@ -13,10 +13,14 @@ from tests.studies.running import Record, Setting, recorded_all
 SCENE = "in_hand_scene.yaml"
 PREFIX, CYCLE, CYCLES = 2.0, 8.0, 10  # s, s
 SECONDS = PREFIX + CYCLES * CYCLE + 2  # with what comes after
+STEP = 2e-3  # s: of most runs; that of the scene is half as long
 FINGERS = tuple(f"manipulators[{number}]" for number in range(4))
-SIDE, FRICTION = 0.0024, 1.0  # N·m per psi in a chamber, of fingers: those of the scene
-# N·m/rad and N·m/Pa about x, and N·m/rad about y: those of finger.yaml
-STIFFNESS, TORQUE, SIDE_STIFFNESS = 0.117045, 4.88195372e-07, 0.41033125
+# the cube on the palm itself, the pads out of the way
+FLAT_PALM = (
+    "objects[0].position=[0, 0, 0.08]",
+    "objects[1].place={on: palm}",
+    *(f"objects[{number}].position=[0, {0.1 * number!r}, -1]" for number in (2, 3, 4, 5)),
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +78,7 @@ def turns(settings: Sequence[Setting], processes: int | None = None) -> list[Tur
     return [turn(record) for record in recorded_all(settings, processes)]
 
 
-def setting(*sets: str, cycles: int = CYCLES, time_step: float | None = None) -> Setting:
+def setting(*sets: str, cycles: int = CYCLES, time_step: float = STEP) -> Setting:
     """Return the scene for so many cycles, the whole of it by default."""
     seconds = SECONDS if cycles == CYCLES else PREFIX + cycles * CYCLE
     return Setting(SCENE, seconds, sets, time_step)
@@ -83,21 +87,6 @@ def setting(*sets: str, cycles: int = CYCLES, time_step: float | None = None) ->
 def moved(x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> tuple[str, ...]:
     """Return what moves [m] and turns [rad] the cube at the start."""
     return f"objects[1].position=[{x!r}, {y!r}, 0]", f"objects[1].rpy=[0, 0, {yaw!r}]"
-
-
-def friction_of_fingers(value: float) -> tuple[str, ...]:
-    """Return what changes the friction of all fingers; that on the cube is 1.2 times as large."""
-    return tuple(f"{finger}.surface.friction={value!r}" for finger in FINGERS)
-
-
-def side_torque(per_psi: float) -> tuple[str, ...]:
-    """Return what changes the torque [N·m] about y for a psi in either chamber."""
-    sets = []
-    for number, finger in enumerate(FINGERS):
-        mix = [0.0] * 8
-        mix[2 * number], mix[2 * number + 1] = per_psi, -per_psi
-        sets.append(f"{finger}.actuation[1].mix={mix}")
-    return tuple(sets)
 
 
 def joint(axis: int, field: str, value: float) -> tuple[str, ...]:
