@@ -82,7 +82,7 @@ OTHERS: Mapping[str, Sets] = {
 
 @dataclass(frozen=True, slots=True)
 class Opened:
-    """The scene as it is, and with something changed, by name and factor; None where it has none."""
+    """The scene as it is, and with something changed: by name and factor, None where none."""
 
     base: Turn
     runs: Mapping[tuple[str, float | None], Turn]

@@ -20,8 +20,8 @@ def draw(
 ) -> None:
     """Draw all runs, and the turn a cycle over what is changed.
 
-    `runs` are those on pads, `flat` those on a flat palm, `measured` is that of the real hand, `rates` are by name and by the factor on the scene's value,
-    all in degrees a cycle.
+    `runs` are those on pads, `flat` those on a flat palm. `measured` is that of the real hand,
+    `rates` are by name and by the factor on the scene's value, all in degrees a cycle.
     """
     from matplotlib.figure import Figure
 

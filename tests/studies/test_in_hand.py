@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.studies.in_hand import OPEN, apart
-from tests.studies.in_hand_turn import PREFIX, SCENE, Turn, moved, setting, turn, turns
+from tests.studies.in_hand import apart
+from tests.studies.in_hand_open import FACTORS
+from tests.studies.in_hand_turn import FLAT_PALM, PREFIX, SCENE, Turn, moved, setting, turn, turns
 from tests.studies.running import Record, Setting, recorded
 
 pytest.importorskip("pybullet")
@@ -32,7 +33,7 @@ def test_the_grip_is_the_same_at_any_step_and_scale(scale: int, step: float) -> 
 
 
 def test_fingers_that_press_slide_down_the_cube() -> None:
-    """Friction is fully used before the cube turns at all, which is why runs drift apart."""
+    """Friction is fully used before the cube turns at all."""
     record = recorded(Setting(SCENE, PREFIX, (GRIP,), 1e-3))
     normal, friction, down = (
         record[f"cube.contact.finger_2.{what}_n"][-1] for what in ("normal", "friction", "fz")
@@ -44,16 +45,41 @@ def test_fingers_that_press_slide_down_the_cube() -> None:
     assert palm == pytest.approx(0.01 * 9.81 - 2 * down, rel=5e-3)
 
 
-def test_a_cycle_turns_the_cube_and_keeps_it() -> None:
-    starts = (), moved(x=1e-6)
-    runs = turns([setting(*start, cycles=1, time_step=2e-3) for start in starts], processes=1)
+def test_the_cube_turns_as_far_whatever_the_step_and_the_scale() -> None:
+    runs = turns(
+        [
+            setting(cycles=1),
+            setting(cycles=1, time_step=4e-3),
+            setting(*moved(x=1e-6), cycles=1, time_step=4e-3),
+            setting("world_scale=10", cycles=1, time_step=4e-3),
+        ],
+        processes=1,
+    )
     for run in runs:
-        assert 40 < run.per_cycle < 75
-        assert run.drift < 3e-3
-        assert run.rise < 3e-3
-        assert run.tilt.max() < 3
+        assert run.per_cycle == pytest.approx(51.9, rel=0.01)
+        assert run.drift < 1e-4
+        assert run.tilt.max() < 0.1
         assert abs(run.yaw[run.times <= PREFIX]).max() < 0.01
-    assert PREFIX < apart(runs) < 4
+    assert apart(runs) is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("scale", "step"), [(20, 1e-3), (20, 5e-4), (10, 2e-3), (40, 2e-3)])
+def test_three_cycles_turn_it_as_far(scale: int, step: float) -> None:
+    (run,) = turns([setting(f"world_scale={scale}", cycles=3, time_step=step)])
+    assert run.ends[-1] == pytest.approx(158.4, rel=5e-3)
+
+
+@pytest.mark.slow
+def test_on_a_flat_palm_a_micrometre_decides_how_far() -> None:
+    """Where contact leaves undetermined what resists: the cube turns, but runs drift apart."""
+    starts = (), moved(x=1e-6)
+    runs = turns([setting(*FLAT_PALM, *start, cycles=1) for start in starts])
+    for run in runs:
+        assert 35 < run.per_cycle < 75
+    when = apart(runs)
+    assert when is not None
+    assert PREFIX < when < 5
 
 
 def test_the_same_run_gives_the_same_bytes() -> None:
@@ -73,9 +99,7 @@ def test_cycles_are_counted_from_the_end_of_the_prefix() -> None:
 
 @pytest.mark.slow
 def test_more_torque_aside_turns_it_farther() -> None:
-    weak, strong = (
-        setting(*OPEN["torque aside"][part], cycles=3, time_step=2e-3) for part in (0.7, 1.3)
-    )
+    weak, strong = (setting(*FACTORS["torque aside"][part], cycles=2) for part in (0.7, 1.3))
     less, more = turns([weak, strong], processes=1)
     assert 0 < less.per_cycle < 0.75 * more.per_cycle
 
