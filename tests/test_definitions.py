@@ -75,6 +75,8 @@ def test_the_tip_of_the_finger_is_as_stiff_as_measured(axis: int, stiffness: flo
         ("three_axis_finger", 0, 33.7, 0.030),
         ("three_axis_finger", 1, 98.6, 0.030),
         ("three_axis_finger", 2, 734, 0.030),
+        ("two_segment_finger", 0, 22.3, 0.089),
+        ("two_segment_finger", 1, 29.5, 0.118),
         ("arm", 0, 1.53, 0.031),
         ("cantilever", 1, 6.43, 0.643),
     ],
@@ -137,8 +139,9 @@ def test_every_scene_moves_and_stays_in_bounds(somo: Somo, scene: str, tmp_path:
     table = recorded(somo, scene, 2000, tmp_path)
     assert table["time_s"][-1] == pytest.approx(2.0)
     name = scene.removesuffix("_scene")
-    own = name not in ("scene", "gait", "press", "push", "turn", "tumble", "lift")
-    chain = chain_of(name if own else "finger")
+    own = name not in ("scene", "gait", "press", "push", "turn", "tumble", "lift", "pinch")
+    shared = {"pinch": "two_segment_finger"}
+    chain = chain_of(name if own else shared.get(name, "finger"))
     for limb in chain.backbones:
         end = f"{limb.prefix}tip."
         tip = columns(table, f".{end}x_m", f".{end}y_m", f".{end}z_m")
