@@ -8,17 +8,21 @@ import math
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from somo_cli.calibration.levers import of_definition
 from somo_cli.problems import SimulationDiverged
+from somo_cli.simulation import bullet_contact
+from somo_cli.simulation.columns import header
+from somo_cli.simulation.plan import make_plan
 from tests.conftest import Somo
 from tests.contact import second_opinion
 from tests.contact.candidates import EXPLICIT, PLAIN, Candidate, filters
 from tests.contact.cases import REACH, Case, blocked, box, cases, finger, named, scene_of
 from tests.contact.chatter import shake
 from tests.contact.trial import recorded, trial
-from tests.loading import DEFINITIONS, scene_from_file
+from tests.loading import DEFINITIONS, rows_of, scene_from_file
 
 pytest.importorskip("pybullet")
 
@@ -161,3 +165,13 @@ def test_a_run_that_contact_throws_off_stops(somo: Somo, tmp_path: Path) -> None
 def test_a_run_that_follows_contact_says_nothing(somo: Somo, tmp_path: Path) -> None:
     done = somo("run", written(tmp_path, 0.1), "--steps", "100", "--time-step", "2e-3", "--quiet")
     assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_the_solver_stops_where_more_of_it_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = dataclasses.replace(scene_from_file("lift_scene.yaml"), every=100)
+    rows = np.array(rows_of(scene, 700))
+    monkeypatch.setattr(bullet_contact, "residual", lambda plan: 1e-30)
+    exact = np.array(rows_of(scene, 700))
+    names = header(make_plan(scene))
+    poses = [place for place, name in enumerate(names) if ".pose." in name or "angle" in name]
+    assert np.abs(rows - exact)[:, poses].max() < 1e-9

@@ -134,12 +134,13 @@ class BulletWorld:
         self.step = partial(self._bullet.stepSimulation, self._client)
         # the cache would serve an old file under a known name, even after a reset; the solver would
         # be content with 50 iterations, or with an error of 3e-4 engine units per second, which to
-        # the constraints, contacts and dry friction of a small body is as good as any
+        # the constraints, contacts and dry friction of a small body is as good as any; so it goes
+        # on for as many as a step's contacts need
         self._bullet.setPhysicsEngineParameter(
             enableFileCaching=0,
             fixedTimeStep=self._plan.time_step,
             numSolverIterations=200,
-            solverResidualThreshold=1e-30,
+            solverResidualThreshold=bullet_contact.residual(self._plan),
             physicsClientId=self._client,
         )
         self._bullet.setPhysicsEngineParameter(
@@ -186,6 +187,9 @@ class BulletWorld:
             if of_plan.thing.is_held:
                 held.append(thing.index)
         bullet_contact.spare_held(self._bullet, self._client, bases["constrained"], held)
+        if not (self._plan.can_touch or self._plan.keeps_everything):
+            for body in self.bodies:
+                bullet_contact.spare_all(self._bullet, self._client, body.index, body.links)
 
     def _gripping(self, step: Callable[[], object], ground: int | None) -> Callable[[], object]:
         """Return a step before which friction that depends on the direction is applied."""

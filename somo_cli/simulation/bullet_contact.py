@@ -5,6 +5,25 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from somo_cli.simulation.plan import Plan
+
+STILL = 1e-11  # m/s: how far the solver may leave a joint or contact from what it is to do
+
+
+def residual(plan: Plan) -> float:
+    """Return the square of the speed [engine units/s] that the solver may leave undone."""
+    speed: float = STILL * plan.scale.length
+    return speed**2
+
+
+def spare_all(bullet: Any, client: int, body: int, links: Iterable[int]) -> None:
+    """Keep links of a body from being paired with anything.
+
+    Seen in 3.2.7: links without shapes are paired with those near them all the same, in every step.
+    """
+    for link in links:
+        bullet.setCollisionFilterGroupMask(body, link, 0, 0, physicsClientId=client)
+
 
 def spare_held(bullet: Any, client: int, led: Iterable[int], held: Sequence[int]) -> None:
     """Keep bases that a constraint holds from colliding with each other and with what is held.

@@ -79,8 +79,8 @@ class FreeRunner(Runner):
         hold = self.law.make_hold()
         return lambda: self.apply(hold())
 
-    def _is_calm(self, last_correction: Array) -> bool:
-        return False
+    def _steps_to_hold(self, change: Array) -> int:
+        return 1
 
     def _push_corrected(self) -> None:
         law, world = self.law, self.world_body

@@ -106,15 +106,12 @@ class MovedRunner(Runner):
     def _pose(self) -> ChainPose:
         return self.dynamics().at(self.law.angles, self.world_body.base_pose())
 
-    def _is_calm(self, last_correction: Array) -> bool:
+    def _steps_to_hold(self, change: Array) -> int:
         is_at_rest = not (self._before.any() or self._after.any())
         self._looks_at_rest = self._looks_at_rest + 1 if is_at_rest else 0
         next_look = self._time + STEPS_BETWEEN_LOOKS * self._step
-        return (
-            self._looks_at_rest > 1
-            and self._path.held_until(self._time, self._step) > next_look
-            and super()._is_calm(last_correction)
-        )
+        is_held = self._path.held_until(self._time, self._step) > next_look
+        return super()._steps_to_hold(change) if self._looks_at_rest > 1 and is_held else 1
 
     def _push_corrected(self) -> None:
         law, world = self.law, self.world_body

@@ -76,14 +76,17 @@ def run(
     started = clock()
     while True:
         _actuate(plan, driven, step)
-        for runner in runners:
-            runner.measure()
-        given = energy_of_things.given() + sum(mover.given() for mover in movers)
-        watch.check(step, plan, runners, given)
+        is_look = step % STEPS_BETWEEN_LOOKS == 0
+        is_due = step % plan.every == 0 or step == last
+        if is_look or is_due:
+            for runner in runners:
+                runner.measure()
+            given = energy_of_things.given() + sum(mover.given() for mover in movers)
+            watch.check(step, plan, runners, given)
         if depths is not None:
             depths.look(step)
         advance(step)
-        if step % STEPS_BETWEEN_LOOKS == 0:
+        if is_look:
             recorded.look()
             stopped = ending.look(step)
         if stopped is not None:

@@ -32,7 +32,10 @@ CALM_CHANGE = 3.0  # rad/s²: times the step squared, what holding may cost in a
 CALM_ROOM = 0.1  # rad: a body with a joint nearer to its limit is not calm
 SWIFT_ROOM = 1.0  # rad: joints farther from their limits do not reach them before the next look,
 SWIFT_BLOCKS = 2.0  # nor those that would not do so in so many times the time until then
+FAR = 4.0  # times as far as that until what is implicit in the law is renewed as well
 STEPS_BETWEEN_LOOKS = 8
+HOLDS = (STEPS_BETWEEN_LOOKS, 4, 2)  # steps for which a correction may be held; where nothing is
+# touched the first alone, since what the others save is less than what they cost in error
 
 
 class Runner:
@@ -58,6 +61,7 @@ class Runner:
         self.mass_at_start: Array = self.mass
         self.fastest = 0.0  # rad/s
         self._mass_angles: Array = np.zeros(0)
+        self._parts_angles: Array = np.full(len(joints), math.inf)
         self._push_held = self._make_push_held()
         is_explicit = plan.integrator == "explicit"
         self.push: Callable[[], None] = self._push_held if is_explicit else self._push_swiftly
@@ -68,7 +72,11 @@ class Runner:
         self._refresh_angle = SWIFT_REFRESH
         self._slowest_mode = self._fastest_fall = math.inf  # rad/s, where the run starts
         self._looked_at: tuple[Array, Array] | None = None  # correction and bias at the last look
-        self._resistance: Array = np.ones(len(joints))
+        self._corrected = np.zeros(0), np.zeros(0)  # and when they were renewed last
+        self._holds = HOLDS if plan.can_touch else HOLDS[:1]
+        self._held_steps = self._steps_left = 1
+        self._pushes = {1: self._push_swiftly, STEPS_BETWEEN_LOOKS: self._push_held}
+        self._pushes |= {steps: self._push_in_turns for steps in HOLDS[1:]}
         self._stop = partial(self._stops.torques, plan.time_step, self.law.angles, self.law.rates)
         self._drives = [(drive.signal.at, _as_slice(drive.joints)) for drive in body.drives]
         self._dynamics: ChainDynamics | None = None
@@ -129,25 +137,37 @@ class Runner:
         self._push_corrected()
         assert law.bias is not None
         last = self._looked_at
-        is_calm = last is not None and room > CALM_ROOM and self._is_calm(last[0])
-        if is_calm and last is not None:
-            law.hold(
-                (last[1] - law.bias) / STEPS_BETWEEN_LOOKS,
-                (law.correction - last[0]) / STEPS_BETWEEN_LOOKS,
-            )
-        self.push = self._push_held if is_calm else self._push_swiftly
+        self._looked_at = self._corrected = law.correction, law.bias
+        held = 1
+        if last is not None and room > CALM_ROOM:
+            held = self._steps_to_hold(law.correction - last[0])
+            if held > 1:
+                self._hold_from(last, STEPS_BETWEEN_LOOKS)
+        self._held_steps = self._steps_left = held
+        self.push = self._pushes[held]
+        is_calm = held == STEPS_BETWEEN_LOOKS
         self._refresh_angle = self._freshness * (CALM_REFRESH if is_calm else SWIFT_REFRESH)
-        self._looked_at = law.correction, law.bias
 
-    def _is_calm(self, last_correction: Array) -> bool:
+    def _steps_to_hold(self, change: Array) -> int:
+        """Return for how many steps a correction may be held that changed so between two looks."""
+        step = self.law.time_step
+        if step * self._fastest_fall > CALM_FALL:
+            return 1
+        phase, turn = step * self._slowest_mode, step * self.fastest / self._freshness
+        block = STEPS_BETWEEN_LOOKS**2  # what a constant force does in one, over the step squared
+        pull = block * float(np.abs(change / self.mass.diagonal()).max())  # rad/s²
+        for steps in self._holds:
+            share = steps / STEPS_BETWEEN_LOOKS
+            is_calm = steps * phase <= CALM_PHASE and share * turn <= CALM_ANGLE
+            if is_calm and share**2 * pull <= CALM_CHANGE:
+                return steps
+        return 1
+
+    def _hold_from(self, before: tuple[Array, Array], steps: int) -> None:
+        """Carry the correction on as it and the bias have changed in so many steps."""
         law = self.law
-        change = np.abs(law.correction - last_correction) / self._resistance
-        return (
-            STEPS_BETWEEN_LOOKS * law.time_step * self._slowest_mode <= CALM_PHASE
-            and law.time_step * self._fastest_fall <= CALM_FALL
-            and self.fastest * law.time_step <= CALM_ANGLE * self._freshness
-            and float(change.max()) <= CALM_CHANGE * law.time_step**2
-        )
+        assert law.bias is not None
+        law.hold((before[1] - law.bias) / steps, (law.correction - before[0]) / steps)
 
     def _make_push_held(self) -> Callable[[], None]:
         """Return the function that applies torques with the correction held, its names bound."""
@@ -157,6 +177,19 @@ class Runner:
             apply(hold())
 
         return push_held
+
+    def _push_in_turns(self) -> None:
+        """Hold the correction, but for every second or fourth step, which renews it."""
+        self._steps_left -= 1
+        if self._steps_left:
+            self._push_held()
+            return
+        self.refresh_if_moved()
+        before, self._steps_left = self._corrected, self._held_steps
+        self._push_corrected()
+        assert self.law.bias is not None
+        self._hold_from(before, self._held_steps)
+        self._corrected = self.law.correction, self.law.bias
 
     def _push_swiftly(self) -> None:
         self.refresh_if_moved()
@@ -203,11 +236,13 @@ class Runner:
 
     def refresh(self) -> None:
         """Renew the mass matrix for the present angles."""
-        self._mass_angles = self.law.angles.copy()
-        self.mass = self.world_body.mass_matrix(self._mass_angles.tolist())
-        self.law.refresh(self.mass)
-        block = STEPS_BETWEEN_LOOKS * self.law.time_step
-        self._resistance = np.diag(self.mass) / block**2
+        angles = self._mass_angles = self.law.angles.copy()
+        self.mass = self.world_body.mass_matrix(angles.tolist())
+        moved = angles - self._parts_angles
+        is_far = moved.dot(moved) > (FAR * self._refresh_angle) ** 2
+        if is_far:
+            self._parts_angles = angles
+        self.law.refresh(self.mass, is_far)
 
     def assess(self) -> None:
         """Ask, at the start, for what decides how the body is to be followed."""

@@ -99,7 +99,7 @@ def carried_on(change: Array, before: Array, small: float) -> Array:
     All of it up to `small`, and in smooth motion; what a blow has added is limited, number by
     number (a minmod).
     """
-    if float(np.abs(change).max()) <= small:
+    if change.dot(change) <= small * small or float(np.abs(change).max()) <= small:
         return change
     ahead = np.sign(change) * np.minimum(np.abs(change), BLOW * np.abs(before))
     limited = np.where(change * before > 0, ahead, 0.0)
@@ -155,8 +155,12 @@ class SpringLaw:
         self._at_rest: Array = k * springs.neutral
         self._torques: Array = np.zeros(n)
 
-    def refresh(self, mass: Array) -> None:
-        """Take the joint-space inertia M, shape (n, n), of the present pose."""
+    def refresh(self, mass: Array, is_far: bool = True) -> None:
+        """Take the joint-space inertia M, shape (n, n), of the present pose.
+
+        D + N and B, of which any is as good as another in the third order, are left as they are
+        unless it `is_far` from the one for which they were made.
+        """
         if self.integrator == "explicit":
             return
         if self._mass is not None:
@@ -164,7 +168,8 @@ class SpringLaw:
             change = self.rates - self._previous_rates
             self._previous_torques += (mass - self._mass).dot(change) / self.time_step
         self._mass = mass
-        self._present_damping, self._implicit = self.implicit_parts(mass)
+        if is_far:
+            self._present_damping, self._implicit = self.implicit_parts(mass)
         self._response = np.asarray(np.linalg.inv(mass + self._implicit), dtype=np.float64)
         self._is_laid_out = False
 

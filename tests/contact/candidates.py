@@ -123,10 +123,10 @@ class Candidate:
     @contextmanager
     def installed(self) -> Iterator[None]:
         """Let runs follow this law."""
-        is_calm: Callable[..., bool] = Runner._is_calm if self.is_held else lambda *_: False
+        held: Callable[..., int] = Runner._steps_to_hold if self.is_held else lambda *_: 1
         with (
             patch.object(runner, "SpringLaw", self.law),
-            patch.object(Runner, "_is_calm", is_calm),
+            patch.object(Runner, "_steps_to_hold", held),
         ):
             yield
 

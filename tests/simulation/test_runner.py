@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ import pytest
 from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.runner import Runner
 from somo_cli.simulation.start import begin
+from tests.loading import rows_of, scene_from_file
 from tests.simulation.fake_world import (
     DAMPING,
     INERTIA,
@@ -153,3 +155,22 @@ def test_a_drive_reaches_its_joints_however_they_are_spaced(joints: tuple[int, .
     runner.actuate(0.0)
     expected = [1.0 if index in joints else 0.0 for index in range(6)]
     assert runner.law.actuation.tolist() == expected
+
+
+def test_where_bodies_can_touch_corrections_are_held_for_fewer_steps_as_well() -> None:
+    scene = dataclasses.replace(scene_from_file("push_scene.yaml"), time_step=2e-3, every=50)
+    held, steps_to_hold = set(), Runner._steps_to_hold
+
+    def told(runner: Runner, change: np.ndarray) -> int:
+        steps = steps_to_hold(runner, change)
+        held.add(steps)
+        return steps
+
+    with patch.object(Runner, "_steps_to_hold", told):
+        rows = np.array(rows_of(scene, 500))
+    with patch.object(Runner, "_steps_to_hold", lambda *_: 1):
+        corrected = np.array(rows_of(scene, 500))
+    assert held & {2, 4}
+    angles = slice(1, 11)
+    # the step itself costs 3.3e-4 rad here
+    assert 0 < np.abs(rows - corrected)[:, angles].max() < 3e-5
