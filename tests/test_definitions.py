@@ -23,6 +23,10 @@ from tests.conftest import Somo
 from tests.manipulator.bodies import bullet_mass_matrix
 
 FOLDER = Path(__file__).parents[1] / "definitions"
+# scenes of a definition that does not have their name
+OTHERS = dict.fromkeys(
+    ("scene", "gait", "press", "push", "turn", "tumble", "lift", "blocked_force", "in_hand"), "finger"
+) | {"pinch": "two_segment_finger"}
 FILES = sorted(FOLDER.glob("*.yaml"))
 SCENES = [path.stem for path in FILES if path.stem.endswith("scene")]
 
@@ -75,6 +79,8 @@ def test_the_tip_of_the_finger_is_as_stiff_as_measured(axis: int, stiffness: flo
         ("three_axis_finger", 0, 33.7, 0.030),
         ("three_axis_finger", 1, 98.6, 0.030),
         ("three_axis_finger", 2, 734, 0.030),
+        ("two_segment_finger", 0, 22.3, 0.089),
+        ("two_segment_finger", 1, 29.5, 0.118),
         ("arm", 0, 1.53, 0.031),
         ("cantilever", 1, 6.43, 0.643),
     ],
@@ -137,10 +143,7 @@ def test_every_scene_moves_and_stays_in_bounds(somo: Somo, scene: str, tmp_path:
     table = recorded(somo, scene, 2000, tmp_path)
     assert table["time_s"][-1] == pytest.approx(2.0)
     name = scene.removesuffix("_scene")
-    own = name not in (
-        "scene", "gait", "press", "push", "turn", "tumble", "lift", "blocked_force", "in_hand"
-    )  # fmt: skip
-    chain = chain_of(name if own else "finger")
+    chain = chain_of(OTHERS.get(name, name))
     least = 0.04 if name == "blocked_force" else 0.1
     for limb in chain.backbones:
         end = f"{limb.prefix}tip."
