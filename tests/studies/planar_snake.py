@@ -52,6 +52,7 @@ class PlanarSnake:
         self._sides = np.tile([-width / 2, width / 2], len(links))
         everywhere = np.arange(len(self.masses))
         self._centres = self._reach(everywhere, self.lengths / 2)
+        self.shares = self.masses @ self._centres / self.masses.sum()
         self._pairs = self._centres.T @ (self.masses[:, None] * self._centres)
 
     def centres(self, gait: Gait, times: Array) -> Array:
@@ -62,19 +63,18 @@ class PlanarSnake:
         start = np.zeros(2 * (len(self.masses) + 2))
         start[0] = -self.lengths.sum() / 2
         found = solve_ivp(
-            lambda t, y: self._rates(gait, t, y), (0, times[-1]), start,
+            lambda t, y: self.rates(gait, t, y), (0, times[-1]), start,
             method="LSODA", t_eval=times, rtol=1e-6, atol=1e-8,
         )  # fmt: skip
         turns = found.y[2 : len(self.masses) + 2]
-        shares = self.masses @ self._centres / self.masses.sum()
-        return found.y[:2] + np.array([shares @ np.cos(turns), shares @ np.sin(turns)])
+        return found.y[:2] + np.array([self.shares @ np.cos(turns), self.shares @ np.sin(turns)])
 
-    def _rates(self, gait: Gait, time: float, state: Array) -> Array:
+    def rates(self, gait: Gait, time: float, state: Array) -> Array:
         """Return the rates of place of the base, angles of the links, and of their rates."""
         size = len(state) // 2
         turns, rates = state[2:size], state[size:]
         cosines, sines = np.cos(turns), np.sin(turns)
-        weights = self.masses @ self._centres
+        weights = self.masses.sum() * self.shares
         matrix = np.zeros((size, size))
         matrix[0, 0] = matrix[1, 1] = self.masses.sum()
         apart = turns[:, None] - turns[None, :]

@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -107,9 +108,7 @@ def speeds(crawls: Sequence[Crawl], window: float, processes: int | None = None)
     """Return the speed of each run in its last `window` seconds [m/s]."""
     model = snake()
     runs = recorded_all([crawl.setting for crawl in crawls], processes)
-    return [
-        speed(run["time_s"], centre(run, model.masses, model.lengths), window) for run in runs
-    ]
+    return [speed(run["time_s"], centre(run, model.masses, model.lengths), window) for run in runs]
 
 
 def opinions(crawls: Iterable[Crawl], window: float) -> list[float]:
@@ -117,7 +116,7 @@ def opinions(crawls: Iterable[Crawl], window: float) -> list[float]:
     model = snake()
     found = []
     for crawl in crawls:
-        times = np.array([0.0, crawl.seconds - window, crawl.seconds])
+        times = np.unique([0.0, crawl.seconds - window, crawl.seconds])
         found.append(speed(times, model.centres(crawl.gait, times), window))
     return found
 
@@ -152,7 +151,7 @@ def _print_convergence() -> None:
         "wave from the tip, mirrored": mirrored(Crawl()),
         "hard belly, 2 ms": Crawl(step=2e-3, sets=HARD),
         "hard belly, 1 ms": Crawl(sets=HARD),
-        "equal friction": Crawl(sets=EQUAL),
+        "equal friction, 2 ms": Crawl(step=2e-3, sets=EQUAL),
     }
     (told,) = opinions([Crawl()], 1.0)
     print(f"speed in the second period of 1 s; {told:.4f} m/s by the second opinion")
@@ -179,15 +178,15 @@ def _draw(pictures: Path, found: Sequence[float], told: Sequence[float]) -> None
     drawing.save(figure, pictures, "snake")
 
 
-def _draw_path(axes: object) -> None:
+def _draw_path(axes: Any) -> None:
     model = snake()
     (run,) = recorded_all([Crawl(step=2e-3, seconds=SECONDS).setting])
     frames, times = links(run), run["time_s"]
     for second in range(5):
         row = int(np.argmin(np.abs(times - second)))
         shade = str(0.8 - 0.2 * second)
-        axes.plot(*frames[:, :, row], color=shade, linewidth=3, label=f"{second} s")  # type: ignore[attr-defined]
-    axes.plot(*centre(run, model.masses, model.lengths), color="tab:red", linewidth=1)  # type: ignore[attr-defined]
-    axes.set_aspect("equal")  # type: ignore[attr-defined]
-    axes.legend(fontsize=7, ncols=5)  # type: ignore[attr-defined]
+        axes.plot(*frames[:, :, row], color=shade, linewidth=3, label=f"{second} s")
+    axes.plot(*centre(run, model.masses, model.lengths), color="tab:red", linewidth=1)
+    axes.set_aspect("equal")
+    axes.legend(fontsize=7, ncols=5)
     drawing.panel(axes, "x [m]", "y [m]")
