@@ -19,7 +19,8 @@ from tests.studies.running import Record, Setting, recorded_all
 
 SCENE = "starfish_shift_scene.yaml"
 GRAVITY = 9.81  # m/s²
-STANDING, LEANING, BACK = 2.0, 4.0, 7.0  # s: the ends of the three pauses
+PAUSES = (0.5, 2.0, 4.5, 6.0)  # s: their ends; it stands, leans, leans back, and stands
+DRY = "manipulators[0].surface.friction=1"
 RECORD = (
     "record.columns=[joint_angles,tip_position,base_pose,link_contact_forces]",
     "record.every=20",
@@ -42,10 +43,6 @@ class Stand:
     def at(self, time: float) -> int:
         """Return the row of a time."""
         return int(np.argmin(np.abs(self.times - time)))
-
-    def shift(self, start: float, end: float) -> float:
-        """Return how far the centre of mass goes along x between two times [m]."""
-        return float(self.mass_centre[0, self.at(end)] - self.mass_centre[0, self.at(start)])
 
 
 def starfish() -> Chain:
@@ -103,29 +100,31 @@ def mass_centre(run: Record, chain: Chain) -> Array:
 def study(pictures: Path | None) -> None:
     """Print loads and centres at the three pauses, and what steps and scales make of the shift."""
     chain = starfish()
+    seconds = PAUSES[-1]
     cases = {
-        "1 ms": setting(BACK, 1e-3),
-        "2 ms": setting(BACK, 2e-3),
-        "0.5 ms": setting(BACK, 5e-4),
-        "world scale 10": setting(BACK, 1e-3, "world_scale=10"),
-        "world scale 40": setting(BACK, 1e-3, "world_scale=40"),
+        "1 ms": setting(seconds, 1e-3),
+        "2 ms": setting(seconds, 2e-3),
+        "0.5 ms": setting(seconds, 5e-4),
+        "world scale 10": setting(seconds, 1e-3, "world_scale=10"),
+        "world scale 40": setting(seconds, 1e-3, "world_scale=40"),
+        "dry: friction 0.8, 1 ms": setting(seconds, 1e-3, DRY),
+        "dry, 2 ms": setting(seconds, 2e-3, DRY),
     }
-    runs = recorded_all(list(cases.values()))
-    stands = [stand(run, chain) for run in runs]
+    stands = [stand(run, chain) for run in recorded_all(list(cases.values()))]
     first = stands[0]
     print(f"at 1 ms; the starfish weighs {weight(chain):.4f} N")
-    print("time [s]  load on arm 0 to 4 [N]                   sum    off  mass x [mm]  pressure x")
-    for time in (STANDING, LEANING, BACK):
+    print("time [s]  load on arm 0 to 4 [N]                   sum     off  mass x [mm]  pressure x")
+    for time in PAUSES:
         row = first.at(time)
         loads = first.loads[:, row]
         off = loads.sum() / weight(chain) - 1
         told = "".join(f"{load:7.3f}" for load in loads)
         centres = 1e3 * first.mass_centre[0, row], 1e3 * first.pressure_centre[0, row]
-        print(f"{time:8g}{told}{loads.sum():9.4f}{off:+8.1e}{centres[0]:11.3f}{centres[1]:12.3f}")
-    print("shift of the centre of mass [mm]   towards arm 0    and back")
+        print(f"{time:8g}{told}{loads.sum():9.4f} {off:+8.1e}{centres[0]:12.3f}{centres[1]:12.3f}")
+    print("where the centre of mass is at each pause, towards arm 0 [mm]")
     for name, one in zip(cases, stands, strict=True):
-        there, back = one.shift(STANDING, LEANING), one.shift(LEANING, BACK)
-        print(f"{name:32}{1e3 * there:16.3f}{1e3 * back:12.3f}")
+        places = [1e3 * one.mass_centre[0, one.at(time)] for time in PAUSES]
+        print(f"{name:24}" + "".join(f"{place:9.3f}" for place in places))
     if pictures is not None:
         _draw(pictures, first)
 
@@ -136,12 +135,12 @@ def _draw(pictures: Path, one: Stand) -> None:
     labels = ("arm 0", "arms 1 and 4", "arms 2 and 3")
     for label, arms in zip(labels, ((0,), (1, 4), (2, 3)), strict=True):
         left.plot(one.times, one.loads[list(arms)].mean(axis=0), label=label, linewidth=1)
-    left.set_ylim(1, 2)
+    left.set_ylim(1.3, 1.6)
     drawing.panel(left, "time [s]", "load of an arm [N]")
     left.legend(fontsize=8)
     right.plot(one.times, 1e3 * one.pressure_centre[0], color="0.7", label="of pressure")
     right.plot(one.times, 1e3 * one.mass_centre[0], color="tab:red", label="of mass")
-    right.set_ylim(-5, 12)
+    right.set_ylim(-8, 6)
     drawing.panel(right, "time [s]", "centre, towards arm 0 [mm]")
     right.legend(fontsize=8)
     drawing.save(figure, pictures, "starfish")
