@@ -73,9 +73,7 @@ def stand(run: Record, chain: Chain) -> Stand:
     every = np.sum([run[name] for name in normals], axis=0)
     with np.errstate(invalid="ignore"):
         pressure = np.einsum("at,adt->dt", loads, tips) / loads.sum(axis=0)
-    return Stand(
-        run["time_s"], loads, every - loads.sum(axis=0), mass_centre(run, chain), pressure
-    )
+    return Stand(run["time_s"], loads, every - loads.sum(axis=0), mass_centre(run, chain), pressure)
 
 
 def mass_centre(run: Record, chain: Chain) -> Array:
