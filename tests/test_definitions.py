@@ -24,9 +24,11 @@ from tests.manipulator.bodies import bullet_mass_matrix
 
 FOLDER = Path(__file__).parents[1] / "definitions"
 # scenes of a definition that does not have their name
-OTHERS = dict.fromkeys(
-    ("scene", "gait", "press", "push", "turn", "tumble", "lift", "blocked_force", "in_hand"), "finger"
-) | {"pinch": "two_segment_finger"}
+OF_FINGER = (
+    *("scene", "gait", "press", "push", "turn", "tumble", "lift"),
+    *("blocked_force", "in_hand"),
+)
+OTHERS = dict.fromkeys(OF_FINGER, "finger") | {"pinch": "two_segment_finger"}
 FILES = sorted(FOLDER.glob("*.yaml"))
 SCENES = [path.stem for path in FILES if path.stem.endswith("scene")]
 
