@@ -53,7 +53,7 @@ HOMES = {
     "pybullet": ("simulation.bullet", "picture.tiny_renderer"),
     "referencing": ("document.validate",),
     "rich": ("terminal",),
-    "scipy": ("simulation.signal", "analysis.", "calibration."),
+    "scipy": ("analysis.", "calibration."),
     "trimesh": ("simulation.mesh",),
     "typer": ("cli.",),
     "xml": ("manipulator.urdf", "simulation.urdf_tree"),

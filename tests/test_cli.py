@@ -375,45 +375,7 @@ def test_a_tip_frame_is_one_more_link(somo: Somo, here: Path) -> None:
     assert ended.stdout.count("<link ") == without.count("<link ") + 1
 
 
-# --- what is imported
-
-MODULES = """
-import sys
-from somo_cli.cli import main
-try:
-    main()
-except SystemExit as ended:
-    code = ended.code
-print("imported:", *sorted({name.partition(".")[0] for name in sys.modules}))
-sys.exit(code)
-"""
-
-
-@pytest.mark.parametrize(
-    ("arguments", "unused"),
-    [
-        (("--version",), HEAVY | {"jsonschema", "referencing", "yaml"}),
-        (("--help",), HEAVY | {"jsonschema", "referencing", "yaml"}),
-        (("build", "shapes.yaml"), HEAVY),
-        (("check", "shapes.yaml", "scene_everything.yaml"), HEAVY),
-        (("run", "smallest.yaml", "--steps", "1"), {"rich", "trimesh", "yourdfpy"}),
-    ],
-)
-def test_nothing_is_imported_that_is_not_used(
-    here: Path, environment: dict[str, str], arguments: tuple[str, ...], unused: set[str]
-) -> None:
-    ended = subprocess.run(
-        [sys.executable, "-c", MODULES, *arguments],
-        cwd=here,
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert ended.returncode == 0, ended.stderr
-    imported = set(ended.stdout.splitlines()[-1].split()[1:])
-    assert "typer" in imported
-    assert imported & unused == set()
+# --- without the engine
 
 
 @pytest.fixture

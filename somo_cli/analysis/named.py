@@ -5,10 +5,10 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from somo_cli.analysis import closed_forms
 from somo_cli.analysis.reference import Reference
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
@@ -18,6 +18,9 @@ from somo_cli.simulation.plan import make_plan
 from somo_cli.simulation.scene import Load, Manipulator, Scene
 from somo_cli.simulation.springs import Array
 from somo_cli.simulation.units import units_of
+
+if TYPE_CHECKING:
+    from somo_cli.analysis import closed_forms
 
 SINGLE_JOINT = ("pendulum", "damped_oscillator")
 CONTINUUM = ("cantilever_tip_load", "elastica", "end_moment", "own_weight")
@@ -119,6 +122,8 @@ def _the_one(scene: Scene) -> Manipulator:
 
 def _joint_motion(scene: Scene, times: Array) -> Array:
     """Return the angle of the only joint at times [s]."""
+    from somo_cli.analysis import closed_forms  # needs scipy, which is slow to import
+
     one = _the_one(scene)
     chain = ChainDynamics(one.compiled.chain)
     if chain.count != 1:
@@ -167,6 +172,8 @@ def _joint_motion(scene: Scene, times: Array) -> Array:
 
 def _beam_and_tip(scene: Scene) -> tuple[_Beam, closed_forms.Tip, float]:
     """Return the beam, its closed-form tip, and how well the form describes it [m]."""
+    from somo_cli.analysis import closed_forms  # needs scipy, which is slow to import
+
     one = _the_one(scene)
     beam = _beam(one)
     unit = beam.rigidity / beam.length**2  # N

@@ -45,63 +45,50 @@ class Kinematics:
             (
                 joint.parent,
                 joint.origin,
-                None if joint.rpy == geometry.ZERO else geometry.rotation_from_rpy(joint.rpy),
                 joint.axis,
-                _number_of_axis(joint.axis),
+                _number_of_axis(joint.axis) if joint.rpy == geometry.ZERO else None,
+                geometry.rotation_from_rpy(joint.rpy),
             )
             for joint in chain.joints
         ]
 
     def frames(self, angles: Sequence[float], base: Frame) -> list[Frame]:
-        """Return origin and axes of every link frame in the world, root first."""
+        """Return origin and axes of every link frame in the world, root first.
+
+        Most joints turn about the x or y axis of their link, which is written out without its
+        products with zero: a call for each would take as long as what it does.
+        """
         frames = [base]
-        for (parent, origin, turned, axis, number), angle in zip(self._joints, angles, strict=True):
+        cosine, sine = math.cos, math.sin
+        for (parent, origin, axis, number, turned), angle in zip(self._joints, angles, strict=True):
             position, rotation = frames[parent]
-            if origin != geometry.ZERO:
-                position = _moved(position, rotation, origin)
-            if number is not None and turned is None:
-                rotation = _turned(rotation, number, angle)
+            (a, b, c), (d, e, f), (g, h, i) = rotation
+            px, py, pz = position
+            x, y, z = origin
+            px += a * x + b * y + c * z
+            py += d * x + e * y + f * z
+            pz += g * x + h * y + i * z
+            cos, sin = cosine(angle), sine(angle)
+            one = cos + (1.0 - cos)  # as in `rotation_about`, and not always 1
+            if number == 0:
+                rotation = (
+                    (a * one, b * cos + c * sin, c * cos - b * sin),
+                    (d * one, e * cos + f * sin, f * cos - e * sin),
+                    (g * one, h * cos + i * sin, i * cos - h * sin),
+                )
+            elif number == 1:
+                rotation = (
+                    (a * cos - c * sin, b * one, a * sin + c * cos),
+                    (d * cos - f * sin, e * one, d * sin + f * cos),
+                    (g * cos - i * sin, h * one, g * sin + i * cos),
+                )
             else:
-                turn = geometry.rotation_about(axis, angle)
-                turn = turn if turned is None else geometry.multiply(turned, turn)
+                turn = geometry.multiply(turned, geometry.rotation_about(axis, angle))
                 rotation = geometry.multiply(rotation, turn)
-            frames.append((position, rotation))
+            frames.append(((px, py, pz), rotation))
         return frames
 
 
 def _number_of_axis(axis: Vector) -> int | None:
     """Return which coordinate axis it is, None if it is none."""
     return axis.index(1.0) if sorted(axis) == [0.0, 0.0, 1.0] else None
-
-
-def _moved(position: Vector, rotation: Matrix, local: Vector) -> Vector:
-    px, py, pz = position
-    (_, _, xz), (_, _, yz), (_, _, zz) = rotation
-    x, y, z = local
-    if x == y == 0.0:
-        return (px + xz * z, py + yz * z, pz + zz * z)
-    return geometry.add(position, geometry.rotate(rotation, local))
-
-
-def _turned(rotation: Matrix, number: int, angle: float) -> Matrix:
-    """Return rotation · turn about a coordinate axis, to the last digit `rotation_about`'s."""
-    (a, b, c), (d, e, f), (g, h, i) = rotation
-    cos, sin = math.cos(angle), math.sin(angle)
-    one = cos + (1.0 - cos)  # is not always 1
-    if number == 0:
-        return (
-            (a * one, b * cos + c * sin, c * cos - b * sin),
-            (d * one, e * cos + f * sin, f * cos - e * sin),
-            (g * one, h * cos + i * sin, i * cos - h * sin),
-        )
-    if number == 1:
-        return (
-            (a * cos - c * sin, b * one, a * sin + c * cos),
-            (d * cos - f * sin, e * one, d * sin + f * cos),
-            (g * cos - i * sin, h * one, g * sin + i * cos),
-        )
-    return (
-        (a * cos + b * sin, b * cos - a * sin, c * one),
-        (d * cos + e * sin, e * cos - d * sin, f * one),
-        (g * cos + h * sin, h * cos - g * sin, i * one),
-    )

@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
+from somo_cli.simulation import spline
+
 Interpolation = Literal["step", "linear", "cubic"]
 WaveShape = Literal["sine", "triangle", "square", "trapezoid"]
 
@@ -145,9 +147,11 @@ def _cubic(
     times: Sequence[float], values: Sequence[float], repeat: bool
 ) -> list[tuple[float, float, float, float]]:
     """Return the twice differentiable spline; level at its ends, where the held values join it."""
-    # scipy takes half a second to import, and few scenes want splines
-    from scipy.interpolate import CubicSpline
-
-    spline = CubicSpline(times, values, bc_type="periodic" if repeat else "clamped")
-    cubes, squares, slopes, constants = spline.c.tolist()
-    return list(zip(constants, slopes, squares, cubes, strict=True))
+    slopes = (spline.periodic_slopes if repeat else spline.clamped_slopes)(times, values)
+    pieces = []
+    for i, (value, slope) in enumerate(zip(values[:-1], slopes[:-1], strict=True)):
+        width = times[i + 1] - times[i]
+        chord = (values[i + 1] - value) / width
+        bend = (slope + slopes[i + 1] - 2 * chord) / width
+        pieces.append((value, slope, (chord - slope) / width - bend, bend / width))
+    return pieces

@@ -1,0 +1,83 @@
+"""What each command imports: which libraries, and which rooms of ours; nothing else."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.loading import DEFINITIONS
+from tests.test_architecture import HOMES, KNOWS
+
+IMPORTED = """
+import sys
+from somo_cli.cli import main
+try:
+    main()
+except SystemExit as ended:
+    code = ended.code
+ours = {name.split(".")[1] for name in sys.modules if name.startswith("somo_cli.")}
+print(*sorted({name.split(".")[0] for name in sys.modules}), file=sys.stderr)
+print(*sorted(ours), file=sys.stderr)
+sys.exit(code)
+"""
+TYPER = {"typer"}
+JUDGING = TYPER | {"jsonschema", "referencing", "yaml", "xml"}
+RUNNING = JUDGING | {"numpy", "pybullet"}
+
+DOOR = {"cli", "files", "problems", "terminal"}
+LOADING = DOOR | {"document", "loading", "manipulator", "simulation"}
+
+FINGER = "finger.yaml"
+SCENE = "scene.yaml"  # with cubic way-points
+TUMBLE = "tumble_scene.yaml"  # with a mesh
+REPORT = ("report", FINGER, "--duration", "0.04", "--time-steps", "0.004")
+STIFFNESS = ("calibrate", "stiffness", FINGER)
+EXPECTED = {
+    ("--version",): (TYPER, DOOR),
+    ("--help",): (TYPER, DOOR),
+    ("run", "--help"): (TYPER, DOOR),
+    ("build", FINGER): (JUDGING, LOADING),
+    ("build", FINGER, "--verify"): (JUDGING | {"numpy", "scipy", "trimesh", "yourdfpy"}, LOADING),
+    ("check", FINGER): (JUDGING, LOADING),
+    ("check", SCENE): (JUDGING, LOADING),
+    ("check", SCENE, "--plan"): (JUDGING | {"numpy"}, LOADING),
+    ("check", SCENE, "--numerics"): (JUDGING | {"numpy", "scipy"}, LOADING | {"analysis"}),
+    ("run", FINGER, "--steps", "1"): (RUNNING, LOADING),
+    ("run", SCENE, "--steps", "1"): (RUNNING, LOADING),
+    ("run", TUMBLE, "--steps", "1"): (RUNNING | {"scipy", "trimesh"}, LOADING),
+    ("run", SCENE, "--steps", "9", "--error"): (RUNNING, LOADING | {"analysis"}),
+    REPORT: (RUNNING | {"matplotlib"}, LOADING | {"analysis", "picture"}),
+    STIFFNESS: (JUDGING | {"numpy", "scipy"}, LOADING | {"analysis", "calibration"}),
+}
+
+
+def imported_by(
+    arguments: tuple[str, ...], folder: Path, environment: dict[str, str]
+) -> tuple[set[str], set[str]]:
+    """Return which of the libraries that have a home are imported by a command, and which rooms."""
+    files = [str(DEFINITIONS / one) if one.endswith(".yaml") else one for one in arguments]
+    ended = subprocess.run(
+        [sys.executable, "-c", IMPORTED, *files],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        encoding="utf-8",
+        check=False,
+    )
+    assert ended.returncode == 0, ended.stderr
+    *_, libraries, rooms = (set(line.split()) for line in ended.stderr.splitlines())
+    return libraries & HOMES.keys() - {"csv"}, rooms & KNOWS.keys()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("arguments", EXPECTED, ids=" ".join)
+def test_a_command_imports_what_it_uses_and_no_more(
+    tmp_path: Path, environment: dict[str, str], arguments: tuple[str, ...]
+) -> None:
+    libraries, rooms = EXPECTED[arguments]
+    for optional in libraries & {"matplotlib", "pybullet"}:
+        pytest.importorskip(optional)
+    assert imported_by(arguments, tmp_path, environment) == (libraries, rooms)
