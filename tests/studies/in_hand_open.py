@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from tests.studies.in_hand_turn import FINGERS, STEP, Turn, joint, setting, turns
 
-CYCLES = 6
+CYCLES = 5
 # those of the scene: N·m per psi in a chamber; and of finger.yaml: N·m/rad, N·m/Pa, N·m·s/rad
 SIDE = 0.0024
 STIFFNESS, SIDE_STIFFNESS = 0.117045, 0.41033125
