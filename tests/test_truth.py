@@ -130,9 +130,11 @@ def test_a_hundredth_of_the_error_of_another_simulator_at_the_same_step() -> Non
     truth = truth_of(scene)
     ours, _ = against_mujoco.our_loop(scene, 2e-3)()
     theirs, _ = against_mujoco.their_loop(scene, 2e-3, "implicitfast")()
-    errors = [float(np.abs(angles - truth).max()) for angles in (ours, theirs)]
+    classic, _ = against_mujoco.classic_loop(scene, 2e-4)()
+    errors = [float(np.abs(angles - truth).max()) for angles in (ours, theirs, classic)]
     assert errors[0] < 3e-5
     assert errors[1] > 50 * errors[0]
+    assert errors[2] > errors[0]
 
 
 def test_time_for_an_error_is_found_between_points() -> None:

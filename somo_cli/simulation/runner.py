@@ -29,6 +29,7 @@ CALM_FALL = 0.25  # rad of the fastest mode of gravity alone in a step: likewise
 SWIFT_FALL = 1.5  # rad, likewise: with larger steps gravity is in part implicit
 CALM_ANGLE = 0.005  # rad per step: a body with a faster joint is not calm
 CALM_CHANGE = 3.0  # rad/s²: times the step squared, what holding may cost in a block [rad]
+CALM_CHANGE_IN_TOUCH = 12.0  # likewise where bodies can touch: contact costs more
 CALM_ROOM = 0.1  # rad: a body with a joint nearer to its limit is not calm
 SWIFT_ROOM = 1.0  # rad: joints farther from their limits do not reach them before the next look,
 SWIFT_BLOCKS = 2.0  # nor those that would not do so in so many times the time until then
@@ -74,6 +75,7 @@ class Runner:
         self._looked_at: tuple[Array, Array] | None = None  # correction and bias at the last look
         self._corrected = np.zeros(0), np.zeros(0)  # and when they were renewed last
         self._holds = HOLDS if plan.can_touch else HOLDS[:1]
+        self._calm_change = CALM_CHANGE_IN_TOUCH if plan.can_touch else CALM_CHANGE
         self._held_steps = self._steps_left = 1
         self._pushes = {1: self._push_swiftly, STEPS_BETWEEN_LOOKS: self._push_held}
         self._pushes |= {steps: self._push_in_turns for steps in HOLDS[1:]}
@@ -159,7 +161,7 @@ class Runner:
         for steps in self._holds:
             share = steps / STEPS_BETWEEN_LOOKS
             is_calm = steps * phase <= CALM_PHASE and share * turn <= CALM_ANGLE
-            if is_calm and share**2 * pull <= CALM_CHANGE:
+            if is_calm and share**2 * pull <= self._calm_change:
                 return steps
         return 1
 

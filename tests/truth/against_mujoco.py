@@ -1,10 +1,14 @@
-"""Run time for equal error: ours and MuJoCo's integrators on the ten-joint finger, no contact.
+"""Run time for equal error: ours, MuJoCo's integrators and the loop that users write in PyBullet.
+
+On the ten-joint finger, no contact.
 
 Run by `make truth`, or alone. Error is the largest of any joint angle at any tenth of a second,
 against MuJoCo's RK4 with steps of 1e-5 s. Run times are those of the stepping loops alone, taken
 in turn, round after round, in one process; given are medians. Ours is all of our loop; MuJoCo
 steps many steps a call in C where the torque is constant, and otherwise one step a call from
-Python with the torques set before it, which is how a user would drive it.
+Python with the torques set before it, which is how a user would drive it. The classic loop reads
+and drives joint by joint; it has the same springs and dampers and no other friction, since joint
+motors would be a model of their own, so it is explicit and of first order.
 """
 
 from __future__ import annotations
@@ -32,6 +36,7 @@ TENTH = 0.1  # s between two looks
 TARGETS = (1e-3, 3e-4, 1e-4, 3e-5, 1e-5)  # rad
 STEPS = (2e-2, 1.25e-2, 1e-2, 5e-3, 2.5e-3, 1.25e-3, 6.25e-4, 3.125e-4, 1.5625e-4)  # s, ours
 FINER = (2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5)  # s, MuJoCo's
+CLASSIC = (3.125e-4, 1.5625e-4, 6.25e-5, 2e-5)  # s, of the loop that users write
 PEERS = ("implicitfast", "implicit", "discrete", "RK4")  # the last is explicit
 
 
@@ -98,6 +103,36 @@ def their_loop(scene: Scene, step: float, name: str) -> Loop:
     return loop
 
 
+def classic_loop(scene: Scene, step: float) -> Loop:
+    """Return the loop that users write in PyBullet, on our set-up of the body."""
+    count, every = round(1 / step), round(TENTH / step)
+    plan = make_plan(dataclasses.replace(scene, time_step=step))
+    joints = plan.bodies[0].chain.joints
+    signals = {joint: drive.signal for drive in plan.bodies[0].drives for joint in drive.joints}
+
+    def loop() -> tuple[np.ndarray, float]:
+        rows = []
+        with BulletWorld(plan) as world:
+            body, bullet, client = world.bodies[0].index, world._bullet, world._client
+            numbers = range(len(joints))
+            started = time.perf_counter()
+            for done in range(count):
+                for number, spring in enumerate(joints):
+                    angle, rate, _, _ = bullet.getJointState(body, number, client)
+                    torque = -spring.stiffness * (angle - spring.neutral_position)
+                    torque += signals[number].at(done * step) - spring.damping * rate
+                    bullet.setJointMotorControl2(
+                        body, number, bullet.TORQUE_CONTROL, force=torque, physicsClientId=client
+                    )
+                world.step()
+                if (done + 1) % every == 0:
+                    rows.append([bullet.getJointState(body, n, client)[0] for n in numbers])
+            taken = time.perf_counter() - started
+        return np.array(rows), taken
+
+    return loop
+
+
 def measured(loops: dict[float, Loop], truth: np.ndarray, rounds: int) -> list[Point]:
     """Return a point for each step whose run did not diverge, large steps first."""
     times: dict[float, list[float]] = {step: [] for step in loops}
@@ -152,14 +187,18 @@ def main(arguments: Sequence[str] | None = None) -> None:
         for name in peers:
             loops = {step: their_loop(scene, step, name) for step in FINER}
             curves[name] = measured(loops, truth, options.rounds)
+        curves["classic"] = measured(
+            {step: classic_loop(scene, step) for step in CLASSIC}, truth, 1
+        )
+        others = (*peers, "classic")
         for name, points in curves.items():
             for point in points:
                 print(f"  {name:14} {point.step:9g} {point.error:12.2e} {1e3 * point.time:10.2f}")
-        print(f"\n  {'error [rad]':>12} {'somo [ms]':>10}" + "".join(f"{n:>26}" for n in peers))
+        print(f"\n  {'error [rad]':>12} {'somo [ms]':>10}" + "".join(f"{n:>26}" for n in others))
         for target in TARGETS:
             ours = time_for(curves["somo implicit"], target)
             cells = ""
-            for name in peers:
+            for name in others:
                 theirs = time_for(curves[name], target)
                 ratio = f"{1e3 * theirs:.2f} ms, {theirs / ours:6.2f}x"
                 cells += f"{'not reached' if math.isnan(theirs) else ratio:>26}"
