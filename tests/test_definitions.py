@@ -73,6 +73,23 @@ def test_the_tip_of_the_finger_is_as_stiff_as_measured(axis: int, stiffness: flo
 
 
 @pytest.mark.parametrize(
+    ("actuator", "axis", "stiffness"), [(0, 0, 78), (0, 1, 156), (1, 0, 58), (1, 1, 116)]
+)
+def test_each_segment_of_the_finger_of_two_is_as_stiff_as_said(
+    actuator: int, axis: int, stiffness: float
+) -> None:
+    chain = chain_of("two_segment_finger")
+    end = 0.01 + 0.05 * (1 + actuator)  # m: above the base frame
+    poses = link_poses(chain, [0.0] * len(chain.joints), Pose())
+    compliance = sum(
+        (end - pose.position[2]) ** 2 / joint.stiffness
+        for pose, joint in zip(poses[1:], chain.joints, strict=True)
+        if joint.actuator == actuator and joint.axis[axis] == 1
+    )
+    assert 1 / compliance == pytest.approx(stiffness, rel=1e-9)
+
+
+@pytest.mark.parametrize(
     ("name", "axis", "frequency", "ratio"),
     [
         ("finger", 0, 15.66, 0.030),
@@ -84,6 +101,7 @@ def test_the_tip_of_the_finger_is_as_stiff_as_measured(axis: int, stiffness: flo
         ("two_segment_finger", 0, 22.3, 0.089),
         ("two_segment_finger", 1, 29.5, 0.118),
         ("arm", 0, 1.53, 0.031),
+        ("ball_arm", 0, 1.06, 0.531),
         ("cantilever", 1, 6.43, 0.643),
     ],
 )

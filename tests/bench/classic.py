@@ -1,0 +1,67 @@
+"""The loop that users of PyBullet write for a soft arm, as SoMo does: for comparison.
+
+In every step it reads and drives the joints one by one, springs and torques explicitly, with the
+engine's motors as dry friction in the joints and its solver left at its defaults.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from somo_cli.simulation.bullet import BulletWorld
+from somo_cli.simulation.plan import Plan
+
+ITERATIONS, RESIDUAL = 50, 1e-7  # the engine's defaults
+
+
+def classic_loop(
+    plan: Plan, seconds: float, friction: float, look: Callable[[BulletWorld], object]
+) -> float:
+    """Run the loop for so long [s], and return its wall time [s].
+
+    `friction` is that of every joint [engine units], in place of its damper; `look` is called after
+    each tenth of a second.
+    """
+    steps, every = round(seconds / plan.time_step), round(0.1 / plan.time_step)
+    with BulletWorld(plan) as world:
+        bullet, client = world._bullet, world._client
+        bullet.setPhysicsEngineParameter(
+            numSolverIterations=ITERATIONS,
+            solverResidualThreshold=RESIDUAL,
+            physicsClientId=client,
+        )
+        for body, planned in zip(world.bodies, plan.bodies, strict=True):
+            for number in range(len(planned.chain.joints)):
+                bullet.setJointMotorControl2(
+                    body.index,
+                    number,
+                    bullet.VELOCITY_CONTROL,
+                    force=friction,
+                    physicsClientId=client,
+                )
+        spent = 0.0
+        for step in range(steps):
+            started = time.perf_counter()
+            _drive(plan, world, step * plan.time_step)
+            world.step()
+            spent += time.perf_counter() - started
+            if (step + 1) % every == 0:
+                look(world)
+        return spent
+
+
+def _drive(plan: Plan, world: BulletWorld, now: float) -> None:
+    bullet, client = world._bullet, world._client
+    for body, planned in zip(world.bodies, plan.bodies, strict=True):
+        values = {(one.actuator, one.axis): one.signal.at(now) for one in planned.drives}
+        for number, joint in enumerate(planned.chain.joints):
+            angle = bullet.getJointState(body.index, number, client)[0]
+            torque = values.get((joint.actuator, joint.channel), 0.0)
+            bullet.setJointMotorControl2(
+                body.index,
+                number,
+                bullet.TORQUE_CONTROL,
+                force=torque - joint.stiffness * (angle - joint.neutral_position),
+                physicsClientId=client,
+            )

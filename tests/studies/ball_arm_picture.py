@@ -1,0 +1,45 @@
+"""The picture of the arm that plays with a ball: the way of the ball, and of the arm's tip."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from matplotlib import style
+from matplotlib.figure import Figure
+
+from tests.studies.ball_arm import GOAL, way
+from tests.studies.running import Record
+
+
+def draw(records: Mapping[str, Record], path: Path) -> None:
+    """Write the picture, from runs by their names: first as lines, then dashed over them."""
+    with style.context("default"):
+        figure = Figure(figsize=(7.5, 4.0), dpi=100, layout="constrained")
+        ways, heights = figure.subplots(2, 1, sharex=True)
+        for (name, record), line in zip(records.items(), ("-", "--"), strict=True):
+            for of, colour in (("ball", "tab:orange"), ("tip", "tab:blue")):
+                column = {"ball": "ball.pose", "tip": "ball_arm.tip"}[of]
+                places = way(record, column)
+                time, label = record["time_s"], f"{of}, {name}"
+                ways.plot(
+                    time,
+                    places[:, 0],
+                    line,
+                    color=colour if line == "-" else "black",
+                    linewidth=1.2,
+                    label=label,
+                )
+                heights.plot(
+                    time,
+                    places[:, 2],
+                    line,
+                    color=colour if line == "-" else "black",
+                    linewidth=1.2,
+                )
+        ways.axhline(GOAL, color="0.6", linewidth=1, label="goal line")
+        ways.set_ylabel("x [m]")
+        ways.legend(fontsize=8, ncols=2)
+        heights.set_ylabel("height [m]")
+        heights.set_xlabel("time [s]")
+        figure.savefig(path, metadata={"Software": None})
