@@ -126,8 +126,10 @@ def study(pictures: Path | None) -> None:
     _print_convergence()
     waves = [replace(GAIT, frequency=frequency) for frequency in FREQUENCIES]
     waves += [replace(GAIT, amplitude=amplitude) for amplitude in AMPLITUDES]
-    crawls = [Crawl(gait, 2e-3, SECONDS) for gait in waves]
-    found, told = speeds(crawls, WINDOW), opinions(crawls, WINDOW)
+    crawls = [Crawl(gait, 2e-3, SECONDS) for gait in dict.fromkeys(waves)]
+    each = zip(speeds(crawls, WINDOW), opinions(crawls, WINDOW), strict=True)
+    pairs = dict(zip(dict.fromkeys(waves), each, strict=True))
+    found, told = zip(*(pairs[gait] for gait in waves), strict=True)
     print(f"\nmean speed over the last {WINDOW:g} s of {SECONDS:g} s, 2 ms [m/s]")
     print("amplitude [N m]  frequency [Hz]    speed  second opinion      off")
     for gait, one, other in zip(waves, found, told, strict=True):
