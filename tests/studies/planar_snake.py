@@ -64,7 +64,7 @@ class PlanarSnake:
         start[0] = -self.lengths.sum() / 2
         found = solve_ivp(
             lambda t, y: self.rates(gait, t, y), (0, times[-1]), start,
-            method="LSODA", t_eval=times, rtol=1e-6, atol=1e-8,
+            method="LSODA", t_eval=times, rtol=1e-4, atol=1e-6,
         )  # fmt: skip
         turns = found.y[2 : len(self.masses) + 2]
         return found.y[:2] + np.array([self.shares @ np.cos(turns), self.shares @ np.sin(turns)])

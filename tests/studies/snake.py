@@ -126,14 +126,15 @@ def study(pictures: Path | None) -> None:
     _print_convergence()
     waves = [replace(GAIT, frequency=frequency) for frequency in FREQUENCIES]
     waves += [replace(GAIT, amplitude=amplitude) for amplitude in AMPLITUDES]
-    crawls = [Crawl(gait, 2e-3, SECONDS) for gait in waves]
-    found, told = speeds(crawls, WINDOW), opinions(crawls, WINDOW)
+    crawls = [Crawl(gait, 2e-3, SECONDS) for gait in dict.fromkeys(waves)]
+    each = zip(speeds(crawls, WINDOW), opinions(crawls, WINDOW), strict=True)
+    pairs = dict(zip(dict.fromkeys(waves), each, strict=True))
+    found, told = zip(*(pairs[gait] for gait in waves), strict=True)
     print(f"\nmean speed over the last {WINDOW:g} s of {SECONDS:g} s, 2 ms [m/s]")
     print("amplitude [N m]  frequency [Hz]    speed  second opinion      off")
     for gait, one, other in zip(waves, found, told, strict=True):
-        print(
-            f"{gait.amplitude:15g}{gait.frequency:16g}{one:9.4f}{other:16.4f}{one / other - 1:+9.1%}"
-        )
+        wave = f"{gait.amplitude:15g}{gait.frequency:16g}"
+        print(f"{wave}{one:9.4f}{other:16.4f}{one / other - 1:+9.1%}")
     if pictures is not None:
         _draw(pictures, found, told)
 
@@ -188,5 +189,5 @@ def _draw_path(axes: Any) -> None:
         axes.plot(*frames[:, :, row], color=shade, linewidth=3, label=f"{second} s")
     axes.plot(*centre(run, model.masses, model.lengths), color="tab:red", linewidth=1)
     axes.set_aspect("equal")
-    axes.legend(fontsize=7, ncols=5)
+    axes.legend(fontsize=7, ncols=5, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     drawing.panel(axes, "x [m]", "y [m]")
