@@ -7,7 +7,7 @@ merging (URDF_MERGE_FIXED_LINKS, seen in 3.2.7) drops the parts' centres of mass
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from somo_cli.manipulator import geometry, solids
 from somo_cli.manipulator.definition import (
@@ -136,6 +136,11 @@ class Chain:
     def backbone_of(self, joint: Joint) -> Limb:
         """Return the limb that has the actuator of a joint."""
         return [limb for limb in self.backbones if limb.first_actuator <= joint.actuator][-1]
+
+    def without_limits(self) -> Chain:
+        """Return the same chain of joints that have no limits."""
+        free = tuple(replace(joint, lower=0.0, upper=-1.0) for joint in self.joints)
+        return replace(self, joints=free)
 
 
 @dataclass(slots=True)

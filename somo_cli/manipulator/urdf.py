@@ -43,11 +43,15 @@ def render(chain: Chain, tip_frame: str | None = None) -> str:
     return _text(robot)
 
 
-def render_for_engine(chain: Chain, with_collisions: bool, with_visuals: bool = False) -> str:
+def render_for_engine(
+    chain: Chain, with_collisions: bool, with_visuals: bool = False, with_limits: bool = True
+) -> str:
     """Return the URDF for a headless engine whose springs, dampers and friction are ours.
 
     It has visuals and collision shapes only if asked for; visuals go with collision shapes.
     """
+    if not with_limits:
+        chain = chain.without_limits()
     bare = tuple(
         dataclasses.replace(link, shapes=link.shapes if with_collisions else ())
         for link in chain.links

@@ -322,7 +322,9 @@ class BulletBody:
                 principal = geometry.rotation_from_quaternion(dynamics[4])
                 axis = geometry.rotate(principal, told[13])
                 joints.append(EngineJoint(told[16], axis, told[8], told[9]))
-        found = mismatches(self._body.chain, links, joints)
+        chain = self._body.chain
+        meant = chain if self._body.has_engine_limits else chain.without_limits()
+        found = mismatches(meant, links, joints)
         if found:
             more = f"; and {len(found) - 3} more" if len(found) > 3 else ""
             raise EngineRefused(self._body.name, "; ".join(found[:3]) + more)

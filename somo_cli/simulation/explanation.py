@@ -112,15 +112,7 @@ def _of_joints(plan: Plan) -> Iterator[Decision]:
     # every joint has a motor by default, whose row asks the solver for all of its iterations
     saves = f"{_count(spared, 'row')} in every step" if spared else None
     yield Decision("motor rows of joints", rubbing > 0, why, saves)
-    limited = sum(joint.is_limited for joint in joints)
-    # seen in 3.2.7: a limit has a row only while its joint is beyond it
-    why = (
-        f"{_count(limited, 'joint')} of {len(joints)} have them, a row only beyond one"
-        if limited
-        else "no joint has any"
-    )
-    saves = f"{_count(limited, 'row')} in steps in which all joints are within" if limited else None
-    yield Decision("joint limits", limited > 0, why, saves)
+    yield _of_limits(plan)
     angles = f"{SWIFT_REFRESH:g} rad, moving slowly {CALM_REFRESH:g} rad"
     why = f"renewed once joints have moved by {angles}, or less where it changes faster"
     sizes = sorted({len(body.chain.joints) for body in plan.bodies})
@@ -132,6 +124,21 @@ def _of_joints(plan: Plan) -> Iterator[Decision]:
     yield Decision("prescribed motion", moved, "motion is given" if moved else "no motion is given")
     is_loaded = any(body.loads for body in plan.bodies)
     yield Decision("external loads", is_loaded, "loads are given" if is_loaded else "no loads")
+
+
+def _of_limits(plan: Plan) -> Decision:
+    what = "joint limits in the engine"
+    limited = sum(joint.is_limited for body in plan.bodies for joint in body.chain.joints)
+    if not limited:
+        return Decision(what, False, "no joint has any")
+    have = f"{_count(limited, 'joint')} with limits"
+    if any(body.has_engine_limits for body in plan.bodies):
+        # seen in 3.2.7: a limit has a row only while its joint is beyond it
+        return Decision(what, True, f"{have}, a row only beyond one")
+    # the engine has two rows in mind for each, and sorts and asks them in every step
+    return Decision(
+        what, False, f"{have}, at which the law stops them", f"{limited} constraints in every step"
+    )
 
 
 def _of_engine(plan: Plan) -> Iterator[Decision]:

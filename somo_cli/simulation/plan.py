@@ -101,6 +101,8 @@ class Body:
     collides_with_itself: bool
     path: Path | None = None
     """Where the base is at every time, if it is moved."""
+    has_engine_limits: bool = True
+    """Whether the engine knows the limits of joints, as the law always does."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,7 +166,18 @@ def make_plan(scene: Scene, keeps_everything: bool = False) -> Plan:
         gravity=(gx * acceleration, gy * acceleration, gz * acceleration),
         integrator=scene.integrator,
         bodies=tuple(
-            _body(one, scene.scale, can_touch, keeps_everything) for one in scene.manipulators
+            _body(
+                one,
+                scene.scale,
+                can_touch or keeps_everything,
+                keeps_everything,
+                # pushed by what moves, joints get beyond where the law alone would stop them
+                can_touch
+                or keeps_everything
+                or scene.integrator == "explicit"
+                or one.base != "static",
+            )
+            for one in scene.manipulators
         ),
         every=scene.every,
         columns=scene.columns,
@@ -181,7 +194,13 @@ def make_plan(scene: Scene, keeps_everything: bool = False) -> Plan:
     )
 
 
-def _body(manipulator: Manipulator, scale: Scale, can_touch: bool, keeps_everything: bool) -> Body:
+def _body(
+    manipulator: Manipulator,
+    scale: Scale,
+    with_collisions: bool,
+    with_visuals: bool,
+    with_limits: bool,
+) -> Body:
     chain = scaled(manipulator.compiled.chain, scale)
     start = Start(
         manipulator.position,
@@ -196,15 +215,14 @@ def _body(manipulator: Manipulator, scale: Scale, can_touch: bool, keeps_everyth
         name=manipulator.name,
         base=manipulator.base,
         chain=chain,
-        urdf=urdf.render_for_engine(
-            chain, with_collisions=can_touch or keeps_everything, with_visuals=keeps_everything
-        ),
+        urdf=urdf.render_for_engine(chain, with_collisions, with_visuals, with_limits),
         start=start,
         drives=tuple(_drive(entry, chain, scale) for entry in manipulator.actuation),
         loads=tuple(_load(scaled(entry, scale)) for entry in manipulator.loads),
         surfaces=scaled(manipulator.surfaces, scale),
         collides_with_itself=manipulator.collides_with_itself,
         path=_path(manipulator.motion, start.pose, scale),
+        has_engine_limits=with_limits,
     )
 
 

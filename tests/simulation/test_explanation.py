@@ -33,7 +33,7 @@ def saved(**changes: object) -> dict[str, str]:
 
 def test_of_one_manipulator_alone_nearly_all_is_left_out() -> None:
     kept = {what for what, (is_kept, _) in decided().items() if is_kept}
-    assert kept == {"joint limits", "iterations of the solver", "recorded state"}
+    assert kept == {"iterations of the solver", "recorded state"}
 
 
 def test_each_reason_is_that_of_the_scene() -> None:
@@ -50,6 +50,8 @@ def test_each_reason_is_that_of_the_scene() -> None:
     assert found["looks at what ends the run"] == (True, "1 condition of stop")
     assert found["recorded state"] == (True, "contact_force, energy, every 5 steps")
     assert found["collisions within a manipulator"] == (False, "self_collision is off")
+    within = "2 joints with limits, a row only beyond one"
+    assert found["joint limits in the engine"] == (True, within)
 
 
 def test_a_line_says_what_and_why() -> None:
@@ -68,7 +70,7 @@ def test_what_is_saved_of_one_manipulator_alone() -> None:
         "collision shapes": "3 shapes to move in every step",
         "visual shapes": "3 shapes",
         "motor rows of joints": "2 rows in every step",
-        "joint limits": "2 rows in steps in which all joints are within",
+        "joint limits in the engine": "2 constraints in every step",
         "inertia of the joints in every step": (
             "inertia and inverse, 2 x 2, of 1 body in all others"
         ),
@@ -87,7 +89,7 @@ def test_nothing_is_saved_where_all_is_needed() -> None:
     assert saved(**rubbing, record=everything, stop=[{"time": 1}]).keys() == {
         "collision shapes",
         "visual shapes",
-        "joint limits",
+        "joint limits in the engine",
         "inertia of the joints in every step",
     }
 

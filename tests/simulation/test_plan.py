@@ -92,6 +92,18 @@ def test_the_urdf_is_that_of_the_scaled_chain() -> None:
     assert body.urdf == render_for_engine(body.chain, with_collisions=False)
 
 
+def test_the_engine_knows_limits_where_the_law_alone_may_miss_them() -> None:
+    alone = {"definition": manipulator(actuator(2, X))}
+    (body,) = plan(alone).bodies
+    assert not body.has_engine_limits
+    assert 'type="continuous"' in body.urdf
+    assert "revolute" not in body.urdf
+    (free,) = plan(alone | {"base": "free"}).bodies
+    (explicit,) = plan(alone, integrator="explicit").bodies
+    (pushed,) = plan(alone, ground={"height": -9}).bodies
+    assert all(one.has_engine_limits for one in (free, explicit, pushed))
+
+
 def tags(text: str) -> set[str]:
     return {element.tag for element in ET.fromstring(text).iter()}
 
