@@ -53,4 +53,4 @@ def _forces(axes: Axes, records: Sequence[Record]) -> None:
     rise.plot(records[0]["time_s"], 1e3 * (height - height[0]), color="0.6", linewidth=1)
     rise.set_ylabel("rise of the block [mm] (grey)", color="0.4")
     axes.set_title("block of 60 mm, hand at 160 mm", fontsize=10)
-    axes.legend(fontsize=8, loc="upper left")
+    axes.legend(fontsize=8, loc="lower right")
