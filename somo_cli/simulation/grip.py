@@ -81,9 +81,11 @@ class Grip:
         if not self._keys or not keys:
             return np.zeros_like(places)
         apart = places[:, None, :] - self._places[None, :, :]
-        squares = (apart * apart).sum(axis=2)
-        now, before = np.array(keys), np.array(self._keys)
-        is_other = (now[:, None, :] != before[None, :, :]).any(axis=2)
+        squares = np.einsum("ijk,ijk->ij", apart, apart)
+        numbers = {key: number for number, key in enumerate(self._keys)}
+        before = np.array([numbers[key] for key in self._keys])
+        now = np.array([numbers.get(key, -1) for key in keys])
+        is_other = now[:, None] != before[None, :]
         squares[is_other] = np.inf
         nearest = squares.argmin(axis=1)
         is_new = is_other[np.arange(len(keys)), nearest]

@@ -34,6 +34,15 @@ WINDOW = 2.0  # s: the last ones, whole periods of all frequencies
 _ENTRY = "manipulators[0].actuation[0].wave"
 _SURFACE = "manipulators[0].surface"
 HARD = (f'{_SURFACE}={{"friction": 0.5, "anisotropic_friction": [1, 1, 0.1]}}',)
+THIN = (
+    "manipulators[0].position=[-0.4, 0, 0.003]",
+    *(
+        f"manipulators[0].definition.actuator_definitions[{number}].link_definition.dimensions="
+        "[0.006, 0.04, 0.05]"
+        for number in range(8)
+    ),
+)
+"""A fifth as thick: its centre of mass, where inertia acts, is so much nearer to the friction."""
 EQUAL = (f"{_SURFACE}.anisotropic_friction=[1, 1, 1]",)
 
 
@@ -150,6 +159,8 @@ def _print_convergence() -> None:
             sets=(f"{_SURFACE}.contact_stiffness=15000", f"{_SURFACE}.contact_damping=30")
         ),
         "wave from the tip, mirrored": mirrored(Crawl()),
+        "a fifth as thick, 2 ms": Crawl(step=2e-3, sets=THIN),
+        "a fifth as thick, 1 ms": Crawl(sets=THIN),
         "hard belly, 2 ms": Crawl(step=2e-3, sets=HARD),
         "hard belly, 1 ms": Crawl(sets=HARD),
         "equal friction, 2 ms": Crawl(step=2e-3, sets=EQUAL),
