@@ -90,7 +90,9 @@ def map_table(grasps: Mapping[tuple[float, float], Grasp]) -> Iterator[str]:
     yield "      " + "".join(f"{1e3 * width:8.0f}" for width in WIDTHS)
     for height in HEIGHTS:
         rises = (grasps[height, width].rise for width in WIDTHS)
-        yield f"{1e3 * height:6.0f}" + "".join(f"{1e3 * rise + 0.0:8.1f}" for rise in rises)
+        yield f"{1e3 * height:6.0f}" + "".join(
+            f"{round(1e3 * rise, 1) + 0.0:8.1f}" for rise in rises
+        )
 
 
 def convergence(cases: Sequence[tuple[float, float]]) -> Iterator[str]:

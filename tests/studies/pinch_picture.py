@@ -32,7 +32,7 @@ def _map(axes: Axes, grasps: Mapping[tuple[float, float], Grasp]) -> None:
     axes.invert_yaxis()
     for row, line in enumerate(rises):
         for column, rise in enumerate(line):
-            axes.text(column, row, f"{rise + 0.0:.0f}", ha="center", va="center", fontsize=8)
+            axes.text(column, row, f"{round(rise) + 0.0:.0f}", ha="center", va="center", fontsize=8)
     axes.set_xticks(range(len(WIDTHS)), [f"{1e3 * width:.0f}" for width in WIDTHS])
     axes.set_yticks(range(len(HEIGHTS)), [f"{1e3 * height:.0f}" for height in HEIGHTS])
     axes.set_xlabel("width of the block [mm]")
