@@ -78,6 +78,7 @@ def test_the_tip_of_the_finger_is_as_stiff_as_measured(axis: int, stiffness: flo
         ("three_axis_finger", 2, 734, 0.030),
         ("arm", 0, 1.53, 0.031),
         ("cantilever", 1, 6.43, 0.643),
+        ("planar_arm", 0, 4.38, 0.110),
     ],
 )
 def test_the_lowest_modes_and_their_damping(
