@@ -98,6 +98,7 @@ def test_each_segment_of_the_finger_of_two_is_as_stiff_as_said(
         ("arm", 0, 1.53, 0.031),
         ("ball_arm", 0, 1.06, 0.531),
         ("cantilever", 1, 6.43, 0.643),
+        ("planar_arm", 0, 4.38, 0.110),
     ],
 )
 def test_the_lowest_modes_and_their_damping(
