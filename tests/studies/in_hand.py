@@ -38,14 +38,12 @@ SAME: Mapping[str, Setting] = {
     "step of 4 ms": setting(time_step=4e-3),
     "step of 0.5 ms": setting(time_step=5e-4),
     "1 µm along x": setting(*moved(x=1e-6)),
-    "1 µm along y": setting(*moved(y=1e-6)),
     "10 µrad about z": setting(*moved(yaw=1e-5)),
     "world scale 10": setting("world_scale=10"),
     "world scale 40": setting("world_scale=40"),
 }
 PLACED: Mapping[str, Setting] = {
     "1 mm along x": setting(*moved(x=1e-3)),
-    "1 mm along y": setting(*moved(y=1e-3)),
     "2° about z": setting(*moved(yaw=0.035)),
     "3 mm and 5° off": setting(*moved(x=3e-3, y=-2e-3, yaw=0.087)),
 }
