@@ -45,6 +45,8 @@ class BulletWorld:
         self.step: Callable[[], object] = self._refuse
         self._places: dict[tuple[int, int], Place] = {}  # of the engine's bodies and links
         self._grounds: list[int] = []
+        self._points = 0  # of contact, when last looked at
+        self._iterations = bullet_contact.ITERATIONS
         self._grip: BulletGrip | None = None  # where friction depends on the direction
 
     def __enter__(self) -> BulletWorld:
@@ -110,11 +112,22 @@ class BulletWorld:
     def penetrations(self) -> list[tuple[Place, Place, float]]:
         """Return which parts were how deep in each other in the last step; depths above 0 only."""
         places = self._places
+        told = self._bullet.getContactPoints(physicsClientId=self._client)
+        self._points = len(told)
         return [
             (places[one[1], one[3]], places[one[2], one[4]], -gap)
-            for one in self._bullet.getContactPoints(physicsClientId=self._client)
+            for one in told
             if (gap := one[8]) < 0
         ]
+
+    def heed_contacts(self) -> None:
+        """Let the solver take as many iterations as pay with what `penetrations` saw last."""
+        iterations = bullet_contact.iterations(self._points)
+        if iterations != self._iterations:
+            self._iterations = iterations
+            self._bullet.setPhysicsEngineParameter(
+                numSolverIterations=iterations, physicsClientId=self._client
+            )
 
     def depths(self) -> dict[tuple[int, int], float]:
         """Return how deep parts of the scene are in each other [engine units], where they are.
@@ -139,7 +152,7 @@ class BulletWorld:
         self._bullet.setPhysicsEngineParameter(
             enableFileCaching=0,
             fixedTimeStep=self._plan.time_step,
-            numSolverIterations=200,
+            numSolverIterations=self._iterations,
             solverResidualThreshold=bullet_contact.residual(self._plan),
             physicsClientId=self._client,
         )

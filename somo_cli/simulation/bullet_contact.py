@@ -7,7 +7,15 @@ from typing import Any
 
 from somo_cli.simulation.plan import Plan
 
+ITERATIONS = 200  # of the solver, at most: few contacts need half of them
+OF_MANY = 50  # where there are many: what they leave undone is less than what steps get wrong
+MANY = 16  # points of contact; what one costs grows with their number
 STILL = 1e-11  # m/s: how far the solver may leave a joint or contact from what it is to do
+
+
+def iterations(points: int) -> int:
+    """Return how many iterations the solver may take with so many points of contact."""
+    return ITERATIONS if points <= MANY else OF_MANY
 
 
 def residual(plan: Plan) -> float:

@@ -145,7 +145,10 @@ def _of_engine(plan: Plan) -> Iterator[Decision]:
     yield Decision("dampers and springs of the engine", False, "in nobody's model")
     yield Decision("sleeping of the engine", False, "springs act on what is at rest as well")
     # as many as `bullet` allows; without a row the first one is the last
-    why = "200 for constraints, contacts, limits and dry friction, one in a step without any"
+    why = (
+        "200 at most, 50 with more than 16 points of contact, fewer once a step is solved; "
+        "one in a step without constraints, contacts, limits and dry friction"
+    )
     yield Decision("iterations of the solver", True, why)
 
 

@@ -85,6 +85,8 @@ def run(
             watch.check(step, plan, runners, given)
         if depths is not None:
             depths.look(step)
+            if step % _steps_between_looks(plan) == 0:  # not at rows: they change nothing
+                world.heed_contacts()
         advance(step)
         if is_look:
             recorded.look()
@@ -112,12 +114,18 @@ def run(
 
 def _next_stop(plan: Plan, step: int, steps: int) -> int:
     """Return the next step with a look, a row or the end; where rows fall changes no torque."""
+    between = _steps_between_looks(plan)
     next_look = step - step % STEPS_BETWEEN_LOOKS + STEPS_BETWEEN_LOOKS
-    if plan.can_touch:
-        between = steps_between_looks(plan.time_step, STEPS_BETWEEN_LOOKS)
-        next_look = min(next_look, step - step % between + between)
+    next_look = min(next_look, step - step % between + between)
     next_row = step - step % plan.every + plan.every
     return max(step, min(next_look, next_row, steps))
+
+
+def _steps_between_looks(plan: Plan) -> int:
+    """Return how many steps may pass between two looks at contact."""
+    if not plan.can_touch:
+        return STEPS_BETWEEN_LOOKS
+    return steps_between_looks(plan.time_step, STEPS_BETWEEN_LOOKS)
 
 
 def _runner(plan: Plan, world: World, number: int) -> Runner:

@@ -104,3 +104,6 @@ class World(Protocol):
 
     def penetrations(self) -> Sequence[tuple[Place, Place, float]]:
         """Return which parts were how deep in each other in the last step; depths above 0 only."""
+
+    def heed_contacts(self) -> None:
+        """Let the solver take as many iterations as pay with what `penetrations` saw last."""

@@ -117,6 +117,9 @@ class FakeWorld:
     def penetrations(self) -> Sequence[tuple[Place, Place, float]]:
         return self.depths
 
+    def heed_contacts(self) -> None:
+        """Have no solver."""
+
     def _step(self) -> None:
         for body in self.bodies:
             body.step()

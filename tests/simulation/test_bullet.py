@@ -19,6 +19,7 @@ import pytest
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import EngineMissing, EngineRefused
+from somo_cli.simulation import bullet_contact
 from somo_cli.simulation.bullet import BulletBody, BulletWorld
 from somo_cli.simulation.plan import Plan, make_plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
@@ -481,3 +482,14 @@ def test_a_joint_that_the_engine_would_hold_is_refused(mass: float, is_refused: 
         return
     with pytest.raises(EngineRefused, match=r"moves 8.3e-17 engine units of inertia"):
         rows_of(scene, 20)
+
+
+def test_the_solver_takes_fewer_iterations_where_many_points_touch() -> None:
+    assert [bullet_contact.iterations(points) for points in (0, 16, 17, 96)] == [200, 200, 50, 50]
+    one = {"definition": manipulator(actuator(2, X))}
+    with BulletWorld(plan_of(one, ground={"height": -9})) as world:
+        for many in (17, 17, 3):
+            world._points = many
+            world.heed_contacts()
+            told = world._bullet.getPhysicsEngineParameters(world._client)
+            assert told["numSolverIterations"] == bullet_contact.iterations(many)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
+from somo_cli.simulation import bullet_contact
 from somo_cli.simulation.run import Summary
 from tests.studies import ball_arm
 from tests.studies.ball_arm import apart, is_in, ways
@@ -58,3 +61,17 @@ def test_the_arm_takes_the_ball_behind_the_goal_line_at_two_milliseconds() -> No
     assert is_in(record)
     heights = record["ball.pose.z_m"]
     assert heights.max() > 3  # carried, not rolled
+
+
+@pytest.mark.slow
+def test_more_iterations_of_the_solver_change_less_than_the_step(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    pytest.importorskip("pybullet")
+    lying = dataclasses.replace(ball_arm.setting(2e-3), seconds=12.0)
+    few = recorded(lying)
+    finer = recorded(dataclasses.replace(lying, time_step=1e-3))
+    monkeypatch.setattr(bullet_contact, "OF_MANY", 200)
+    many = recorded(lying)
+    by_solver, by_step = (apart(other, few, "ball_arm.tip")[0] for other in (many, finer))
+    assert 0 < by_solver < 0.5 * by_step
