@@ -7,6 +7,7 @@ import math
 import struct
 from collections.abc import Callable, Sequence
 from functools import partial
+from operator import itemgetter
 
 import numpy as np
 
@@ -208,9 +209,11 @@ class Runner:
         joint_states, state = self.world_body.joint_states, self.law.state.data
         pack = struct.Struct(f"{2 * len(self.law.rates)}d").pack_into
 
+        angle, rate = itemgetter(0), itemgetter(1)
+
         def pull() -> None:
-            angles, rates, _, _ = zip(*joint_states(), strict=False)
-            pack(state, 0, *angles, *rates)
+            states = joint_states()
+            pack(state, 0, *map(angle, states), *map(rate, states))
 
         return pull
 
