@@ -78,6 +78,7 @@ golden: sync ## write the golden URDFs and messages anew: the diff is the review
 bench: sync ## measure speed, start-up, error against run time, stability, physics
 	$(RUN) tests.bench.stepping
 	$(RUN) tests.bench.parts
+	$(RUN) tests.bench.engine
 	$(RUN) tests.bench.recording
 	$(RUN) tests.bench.rendering
 	$(RUN) tests.bench.hand
