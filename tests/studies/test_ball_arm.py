@@ -68,7 +68,7 @@ def test_more_iterations_of_the_solver_change_less_than_the_step(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     pytest.importorskip("pybullet")
-    lying = dataclasses.replace(ball_arm.setting(2e-3), seconds=12.0)
+    lying = dataclasses.replace(ball_arm.setting(2e-3), seconds=8.0)
     few = recorded(lying)
     finer = recorded(dataclasses.replace(lying, time_step=1e-3))
     monkeypatch.setattr(bullet_contact, "OF_MANY", 200)

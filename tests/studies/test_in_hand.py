@@ -61,7 +61,7 @@ def test_the_cube_turns_as_far_whatever_the_step_and_the_scale() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("scale", "step"), [(20, 1e-3), (20, 5e-4), (10, 2e-3), (40, 2e-3)])
+@pytest.mark.parametrize(("scale", "step"), [(20, 1e-3), (10, 2e-3), (40, 2e-3)])
 def test_three_cycles_turn_it_as_far(scale: int, step: float) -> None:
     (run,) = turns([setting(f"world_scale={scale}", cycles=3, time_step=step)])
     assert run.ends[-1] == pytest.approx(158.4, rel=5e-3)
