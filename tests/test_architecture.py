@@ -50,7 +50,7 @@ HOMES = {
     "jsonschema": ("document.validate",),
     "matplotlib": ("picture.",),
     "numpy": ("simulation.", "analysis.", "calibration.", "picture.", "manipulator.verify"),
-    "pybullet": ("simulation.bullet", "picture.tiny_renderer"),
+    "pybullet": ("simulation.bullet_engine",),
     "referencing": ("document.validate",),
     "rich": ("terminal",),
     "scipy": ("analysis.", "calibration."),

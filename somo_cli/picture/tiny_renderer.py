@@ -5,7 +5,6 @@ An engine of its own, without physics: it holds surfaces and is told where they 
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import TracebackType
@@ -18,7 +17,7 @@ from somo_cli.manipulator.kinematics import Pose
 from somo_cli.picture.camera import Camera
 from somo_cli.picture.facets import Array
 from somo_cli.picture.stage import Part
-from somo_cli.problems import EngineMissing
+from somo_cli.simulation.bullet_engine import engine
 from somo_cli.simulation.c_library import captured_output
 
 AMBIENT, DIFFUSE, SPECULAR = 0.62, 0.42, 0.06
@@ -52,7 +51,7 @@ class TinyRenderer:
     def __enter__(self) -> TinyRenderer:
         """Load every part."""
         with captured_output():
-            self._bullet = _engine()
+            self._bullet = engine("the renderer is that of PyBullet, which is")
             self._client = self._bullet.connect(self._bullet.DIRECT)
             try:
                 for number, part in enumerate(self._parts):
@@ -145,15 +144,3 @@ def _projection(tangents: tuple[float, float], near: float, far: float) -> list[
     across, upward = tangents
     depth, shift = -(far + near) / (far - near), -2 * far * near / (far - near)
     return [1 / across, 0, 0, 0, 0, 1 / upward, 0, 0, 0, 0, depth, -1, 0, 0, shift, 0]
-
-
-def _engine() -> Any:
-    try:
-        import pybullet
-    except ImportError as error:
-        raise EngineMissing(
-            "the renderer is that of PyBullet, which is not installed for this Python "
-            f"({sys.version_info.major}.{sys.version_info.minor}); "
-            "build and check work without it"
-        ) from error
-    return pybullet

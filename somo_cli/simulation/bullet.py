@@ -1,4 +1,4 @@
-"""The world on headless PyBullet; the only place pybullet is known.
+"""The world on headless PyBullet; with `bullet_*` beside it, all of the simulation that knows it.
 
 Facts about PyBullet 3.2.7 that the code below depends on stand beside the lines they explain.
 """
@@ -6,7 +6,6 @@ Facts about PyBullet 3.2.7 that the code below depends on stand beside the lines
 from __future__ import annotations
 
 import os
-import sys
 import tempfile
 from collections.abc import Callable
 from contextlib import suppress
@@ -16,9 +15,10 @@ from types import TracebackType
 from typing import Any
 
 from somo_cli.manipulator.geometry import Matrix
-from somo_cli.problems import EngineMissing, EngineRefused
+from somo_cli.problems import EngineRefused
 from somo_cli.simulation import bullet_contact, bullet_surface
 from somo_cli.simulation.bullet_body import BulletBody
+from somo_cli.simulation.bullet_engine import engine
 from somo_cli.simulation.bullet_grip import BulletGrip, Skin
 from somo_cli.simulation.bullet_moved import MovedBody, MovedThing
 from somo_cli.simulation.bullet_thing import BulletThing
@@ -52,7 +52,7 @@ class BulletWorld:
     def __enter__(self) -> BulletWorld:
         """Load every body; until `close`, what the engine prints goes to standard error."""
         with captured_output() as said, decimal_points():
-            self._bullet = _engine()
+            self._bullet = engine()
             self._client = self._bullet.connect(self._bullet.DIRECT)
             try:
                 self._set_up()
@@ -245,15 +245,3 @@ class BulletWorld:
         names = [body.name for body in self._plan.bodies]
         names += [planned.thing.name for planned in self._plan.things]
         return names[min(len(self.bodies) + len(self.things), len(names) - 1)]
-
-
-def _engine() -> Any:
-    try:
-        import pybullet
-    except ImportError as error:
-        raise EngineMissing(
-            "the engine, PyBullet, is not installed for this Python "
-            f"({sys.version_info.major}.{sys.version_info.minor}); "
-            "build and check work without it"
-        ) from error
-    return pybullet

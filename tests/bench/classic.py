@@ -15,6 +15,19 @@ from somo_cli.simulation.plan import Plan
 ITERATIONS, RESIDUAL = 50, 1e-7  # the engine's defaults
 
 
+def leave_at_defaults(world: BulletWorld, friction: float) -> None:
+    """Have solver and joint motors as the engine has them, with this friction [engine units]."""
+    bullet, client = world._bullet, world._client
+    bullet.setPhysicsEngineParameter(
+        numSolverIterations=ITERATIONS, solverResidualThreshold=RESIDUAL, physicsClientId=client
+    )
+    for body in world.bodies:
+        for joint in body.links[1:]:
+            bullet.setJointMotorControl2(
+                body.index, joint, bullet.VELOCITY_CONTROL, force=friction, physicsClientId=client
+            )
+
+
 def classic_loop(
     plan: Plan, seconds: float, friction: float, look: Callable[[BulletWorld], object]
 ) -> float:
@@ -25,21 +38,7 @@ def classic_loop(
     """
     steps, every = round(seconds / plan.time_step), round(0.1 / plan.time_step)
     with BulletWorld(plan) as world:
-        bullet, client = world._bullet, world._client
-        bullet.setPhysicsEngineParameter(
-            numSolverIterations=ITERATIONS,
-            solverResidualThreshold=RESIDUAL,
-            physicsClientId=client,
-        )
-        for body, planned in zip(world.bodies, plan.bodies, strict=True):
-            for number in range(len(planned.chain.joints)):
-                bullet.setJointMotorControl2(
-                    body.index,
-                    number,
-                    bullet.VELOCITY_CONTROL,
-                    force=friction,
-                    physicsClientId=client,
-                )
+        leave_at_defaults(world, friction)
         spent = 0.0
         for step in range(steps):
             started = time.perf_counter()

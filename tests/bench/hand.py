@@ -26,6 +26,7 @@ from somo_cli.simulation import columns
 from somo_cli.simulation import run as stepping
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.plan import Plan, make_plan
+from tests.bench.classic import leave_at_defaults
 from tests.loading import scene_from_text
 
 SECONDS = 1.0  # simulated
@@ -121,14 +122,7 @@ def classic(plan: Plan) -> tuple[float, float]:
     """
     with BulletWorld(plan) as world, timed_engine(world) as total:
         bullet, client = world._bullet, world._client
-        bullet.setPhysicsEngineParameter(
-            numSolverIterations=50, solverResidualThreshold=1e-7, physicsClientId=client
-        )
-        for body, planned in zip(world.bodies, plan.bodies, strict=True):
-            for number in range(len(planned.chain.joints)):
-                bullet.setJointMotorControl2(
-                    body.index, number, bullet.VELOCITY_CONTROL, force=1.0, physicsClientId=client
-                )
+        leave_at_defaults(world, friction=1.0)
         steps = round(SECONDS / plan.time_step)
         started = time.perf_counter()
         for step in range(steps):

@@ -22,6 +22,7 @@ from somo_cli.simulation import run as stepping
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.bullet_body import BulletBody
 from somo_cli.simulation.plan import Plan, make_plan
+from tests.bench.classic import leave_at_defaults
 from tests.loading import scene_from_file
 from tests.simulation.mujoco_reference import model_of
 
@@ -104,13 +105,7 @@ def microseconds_of_classic(plan: Plan) -> float:
         body: BulletBody = world.bodies[0]
         bullet, client, index = body._bullet, body._client, body.index
         joints = plan.bodies[0].chain.joints
-        bullet.setPhysicsEngineParameter(  # the engine's defaults, as users have them
-            numSolverIterations=50, solverResidualThreshold=1e-7, physicsClientId=client
-        )
-        for joint in range(len(joints)):
-            bullet.setJointMotorControl2(
-                index, joint, bullet.VELOCITY_CONTROL, force=1.0, physicsClientId=client
-            )
+        leave_at_defaults(world, friction=1.0)
         started = CLOCK()
         for _ in range(STEPS_OF_CLASSIC):
             for joint, spring in enumerate(joints):

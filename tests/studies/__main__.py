@@ -29,8 +29,6 @@ def main() -> None:
     arguments.add_argument("names", nargs="*", choices=[[], *names()], default=[])
     arguments.add_argument("--pictures", type=Path, help="a folder for the figures")
     options = arguments.parse_args()
-    if options.pictures is not None:
-        options.pictures.mkdir(parents=True, exist_ok=True)
     for name in options.names or names():
         started = time.perf_counter()
         print(f"## {name}", flush=True)

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from matplotlib import style
-from matplotlib.figure import Figure
 
+from tests.studies import drawing
 from tests.studies.ball_arm import GOAL, way
 from tests.studies.running import Record
 
@@ -15,7 +15,7 @@ from tests.studies.running import Record
 def draw(records: Mapping[str, Record], path: Path) -> None:
     """Write the picture, from runs by their names: first as lines, then dashed over them."""
     with style.context("default"):
-        figure = Figure(figsize=(7.5, 4.0), dpi=100, layout="constrained")
+        figure = drawing.new_figure(7.5, 4.0)
         ways, heights = figure.subplots(2, 1, sharex=True)
         for (name, record), line in zip(records.items(), ("-", "--"), strict=True):
             for of, colour in (("ball", "tab:orange"), ("tip", "tab:blue")):
@@ -42,4 +42,4 @@ def draw(records: Mapping[str, Record], path: Path) -> None:
         ways.legend(fontsize=8, ncols=2)
         heights.set_ylabel("height [m]")
         heights.set_xlabel("time [s]")
-        figure.savefig(path, metadata={"Software": None})
+        drawing.save(figure, path)

@@ -18,6 +18,7 @@ from somo_cli.calibration.levers import of_definition
 from somo_cli.simulation.dynamics import ChainDynamics
 from somo_cli.simulation.springs import Array
 from tests.loading import scene_from_file
+from tests.studies import drawing
 from tests.studies.running import Setting, recorded
 
 SCENE = "blocked_force_scene.yaml"
@@ -175,9 +176,7 @@ def variants(base: Press) -> Iterator[str]:
 
 def draw(path: Path, run: Press, rough: Press, one: Finger) -> None:
     """Draw force over pressure with the line, and residuals over time."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(8, 3.6), layout="constrained")
+    figure = drawing.new_figure(8, 3.6)
     left, right = figure.subplots(1, 2, width_ratios=(3, 2))
     kilopascals = 1e-3 / one.torque_per_pressure
     torques = np.linspace(0, run.torques.max(), 11)
@@ -188,15 +187,11 @@ def draw(path: Path, run: Press, rough: Press, one: Finger) -> None:
     left.plot(run.torques * kilopascals, run.forces, color="tab:blue", label="run, no friction")
     left.plot(torques * kilopascals, [one.equilibrium(float(t)) for t in torques], "k.",
               label="equilibrium")  # fmt: skip
-    left.set_xlabel("pressure [kPa]")
-    left.set_ylabel("force on the block [N]")
+    drawing.panel(left, "pressure [kPa]", "force on the block [N]")
     left.legend(fontsize=8)
     right.plot(run.times, 1e3 * residuals(run, one), color="tab:blue", linewidth=0.8)
-    right.set_xlabel("time [s]")
-    right.set_ylabel("run less equilibrium [mN]")
-    for axes in (left, right):
-        axes.grid(visible=True, linewidth=0.3, color="0.85")
-    figure.savefig(path, dpi=100, metadata={"Software": None})
+    drawing.panel(right, "time [s]", "run less equilibrium [mN]")
+    drawing.save(figure, path)
 
 
 def study(pictures: Path | None) -> None:

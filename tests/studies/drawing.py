@@ -21,7 +21,7 @@ def panel(axes: Any, x: str, y: str) -> None:
     axes.grid(visible=True, linewidth=0.3, color="0.85")
 
 
-def save(figure: Any, pictures: Path, name: str) -> None:
-    """Write a figure into the folder of pictures as `name`.png."""
-    pictures.mkdir(parents=True, exist_ok=True)
-    figure.savefig(pictures / f"{name}.png", dpi=100, metadata={"Software": None})
+def save(figure: Any, path: Path) -> None:
+    """Write a figure to a file, its folder made if there is none."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=100, metadata={"Software": None})

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from tests.studies import drawing
 from tests.studies.in_hand_turn import CYCLE, CYCLES, PREFIX, Turn
 
 MARKERS = "osD^vPX*"
@@ -23,16 +24,13 @@ def draw(
     `runs` are those on pads, `flat` those on a flat palm. `measured` is that of the real hand,
     `rates` are by name and by the factor on the scene's value, all in degrees a cycle.
     """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(8.5, 3.8), layout="constrained")
+    figure = drawing.new_figure(8.5, 3.8)
     left, right = figure.subplots(1, 2)
     _over_time(left, runs, flat, measured)
     _over_values(right, measured, rates)
     for axes in (left, right):
-        axes.grid(visible=True, linewidth=0.3, color="0.85")
         axes.legend(fontsize=7)
-    figure.savefig(path, dpi=100, metadata={"Software": None})
+    drawing.save(figure, path)
 
 
 def _over_time(axes: Any, runs: Sequence[Turn], flat: Sequence[Turn], measured: float) -> None:
@@ -43,8 +41,7 @@ def _over_time(axes: Any, runs: Sequence[Turn], flat: Sequence[Turn], measured: 
             axes.plot(run.times, run.yaw, color=color, linewidth=0.6, label=label)
     ends = (PREFIX, PREFIX + CYCLES * CYCLE)
     axes.plot(ends, (0, CYCLES * measured), "k--", linewidth=1, label="the real hand, mean rate")
-    axes.set_xlabel("time [s]")
-    axes.set_ylabel("the cube has turned [°]")
+    drawing.panel(axes, "time [s]", "the cube has turned [°]")
 
 
 def _over_values(axes: Any, measured: float, rates: Mapping[str, Mapping[float, float]]) -> None:
@@ -56,6 +53,5 @@ def _over_values(axes: Any, measured: float, rates: Mapping[str, Mapping[float, 
     ticks = (0.5, 0.7, 1, 1.5, 2, 3, 5)
     axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
     axes.minorticks_off()
-    axes.set_xlabel("value over that of the scene")
-    axes.set_ylabel("turn a cycle [°]")
+    drawing.panel(axes, "value over that of the scene", "turn a cycle [°]")
     axes.set_ylim(bottom=0)

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 from matplotlib import style
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
+from tests.studies import drawing
 from tests.studies.pinch import HEIGHTS, LIFTED, WIDTHS, Grasp
 from tests.studies.running import Record
 
@@ -19,11 +19,11 @@ def draw(
 ) -> None:
     """Write the picture, from the grasps of a map and runs of one grasp at two steps."""
     with style.context("default"):
-        figure = Figure(figsize=(7.5, 3.6), dpi=100, layout="constrained")
+        figure = drawing.new_figure(7.5, 3.6)
         left, right = figure.subplots(1, 2, width_ratios=(1.15, 1))
         _map(left, grasps)
         _forces(right, records)
-        figure.savefig(path, metadata={"Software": None})
+        drawing.save(figure, path)
 
 
 def _map(axes: Axes, grasps: Mapping[tuple[float, float], Grasp]) -> None:

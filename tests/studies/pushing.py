@@ -127,7 +127,7 @@ def _draw(pictures: Path, run: Record, swept: list[Push]) -> None:
     right.set_ylim(0)
     right.legend(fontsize=8, title="torque rises", title_fontsize=8)
     drawing.panel(right, "friction of block and ground", "distance [mm]")
-    drawing.save(figure, pictures, "pushing")
+    drawing.save(figure, pictures / "pushing.png")
 
 
 def _draw_block(axes: Any, run: Record, row: int, shade: str) -> None:

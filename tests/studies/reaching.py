@@ -156,4 +156,4 @@ def _draw(pictures: Path, drawn: dict[float, tuple[Array, Array]]) -> None:
     axes.plot([], [], "x", color="0.5", label="statics")
     axes.plot([], [], ".", color="tab:blue", label="somo, 20 s")
     axes.legend(fontsize=8)
-    drawing.save(figure, pictures, "reaching")
+    drawing.save(figure, pictures / "reaching.png")

@@ -187,7 +187,7 @@ def _draw(pictures: Path, found: Sequence[float], told: Sequence[float]) -> None
         axes.set_ylim(0)
         drawing.panel(axes, label, "speed [m/s]")
     axes.legend(fontsize=8)
-    drawing.save(figure, pictures, "snake")
+    drawing.save(figure, pictures / "snake.png")
 
 
 def _draw_path(axes: Any) -> None:

@@ -141,4 +141,4 @@ def _draw(pictures: Path, one: Stand) -> None:
     right.set_ylim(-8, 6)
     drawing.panel(right, "time [s]", "centre, towards arm 0 [mm]")
     right.legend(fontsize=8)
-    drawing.save(figure, pictures, "starfish")
+    drawing.save(figure, pictures / "starfish.png")
