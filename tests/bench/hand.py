@@ -27,7 +27,7 @@ from somo_cli.simulation import run as stepping
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.plan import Plan, make_plan
 from tests.bench.classic import leave_at_defaults
-from tests.loading import scene_from_text
+from tests.loading import rows_of, scene_from_text
 
 SECONDS = 1.0  # simulated
 CLASSIC = 1e-3  # s
@@ -105,10 +105,7 @@ def ours(plan: Plan, write: Callable[[Iterable[float]], None]) -> tuple[float, f
 def way_of_cube(time_step: float) -> np.ndarray:
     """Return where the cube is at every tenth of a second, shape (rows, 3) [m]; ours."""
     plan = plan_of_hand(time_step)
-    rows: list[list[float]] = []
-    with BulletWorld(plan) as world:
-        steps = round(SECONDS / time_step)
-        stepping.run(plan, world, lambda row: rows.append(list(row)), steps, time.perf_counter)
+    rows = rows_of(plan, round(SECONDS / time_step))
     first = columns.header(plan).index("cube.pose.x_m")
     return np.array(rows)[:, first : first + 3]
 

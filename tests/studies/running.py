@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import dataclasses
 import os
-import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
 
 import numpy as np
 
-from somo_cli.simulation import columns, run
-from somo_cli.simulation.bullet import BulletWorld
+from somo_cli.simulation import columns
 from somo_cli.simulation.plan import make_plan
 from somo_cli.simulation.run import Summary
 from somo_cli.simulation.springs import Array
-from tests.loading import scene_from_file
+from tests.loading import scene_from_file, simulated
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +31,7 @@ class Setting:
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """The columns of a run by their names in the CSV, SI, and its summary."""
+    """The columns of a run by their names in the CSV, SI, and its summary but for the wall time."""
 
     columns: dict[str, Array]
     summary: Summary
@@ -49,14 +47,7 @@ def recorded(setting: Setting) -> Record:
         every = max(1, round(scene.every * scene.time_step / setting.time_step))
         scene = dataclasses.replace(scene, time_step=setting.time_step, every=every)
     plan = make_plan(scene)
-    rows: list[list[float]] = []
-
-    def keep(values: Iterable[float]) -> None:
-        rows.append(list(values))
-
-    with BulletWorld(plan) as world:
-        steps = round(setting.seconds / plan.time_step)
-        summary = run.run(plan, world, keep, steps, time.perf_counter)
+    rows, summary = simulated(plan, round(setting.seconds / plan.time_step))
     table = dict(zip(columns.header(plan), np.array(rows).T, strict=True))
     return Record(table, summary)
 
