@@ -12,6 +12,8 @@ Dekker, Num. Math. 18 (1971) 224 (the product of two floats as a sum of two).
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
@@ -20,10 +22,13 @@ LARGEST = 10.0  # from here on the point stands elsewhere
 SURE = 1e-6
 _SPLIT = 134217729.0  # 2^27 + 1
 _EXPONENTS = range(-200, 1)
+_EXPONENT_BITS = 0x7FF << 52
 _COMMA = 29  # where a number's end is, in the 32 bytes that it has before they are packed
 
 Floats = npt.NDArray[np.float64]
 Words = npt.NDArray[np.uint64]
+Whole = npt.NDArray[Any]
+"""Whole numbers of any type."""
 
 
 def lines(values: Floats) -> bytes:
@@ -34,9 +39,7 @@ def lines(values: Floats) -> bytes:
     words = _words(np.ascontiguousarray(values, dtype=np.float64).ravel())
     bytes_of = words.view(np.uint8).reshape(rows, columns, 32)
     bytes_of[:, -1, _COMMA] = ord("\n")
-    flat: npt.NDArray[np.uint8] = bytes_of.reshape(-1)
-    packed: npt.NDArray[np.uint8] = flat[flat.view(np.bool_)]
-    return packed.tobytes()
+    return words.tobytes().translate(None, b"\0")
 
 
 @np.errstate(all="ignore")  # what is not a number is left to repr
@@ -50,12 +53,13 @@ def _words(values: Floats) -> Words:
     digits, is_sure = _shortest(x, exponent)
     is_known &= is_sure
     words = _laid_out(digits, exponent)
-    words[:, 0] |= np.where(np.signbit(values), ord("-"), 0).astype(np.uint64)
+    sign = values.view(np.uint64) >> 63
+    sign *= ord("-")
+    words[:, 0] |= sign
     is_zero = size == 0
-    words[is_zero, 0] = _word("\0" + "0.0")
-    words[is_zero & np.signbit(values), 0] = _word("-0.0")
-    words[is_zero, 1:3] = 0
-    words[is_zero, 3] = _END
+    if is_zero.any():
+        words[is_zero] = np.array([_word("\0" + "0.0"), 0, 0, _END], dtype="<u8")
+        words[is_zero, 0] |= sign[is_zero]
     others = np.flatnonzero(~(is_known | is_zero))
     if len(others):
         texts = (repr(value).ljust(_COMMA, "\0") + ",\0\0" for value in values[others].tolist())
@@ -79,27 +83,35 @@ def _shortest(
     # Dekker's product: m = product + error; from 2^53 on product is an integer
     error = ((x_upper * upper - product) + x_upper * lower + x_lower * upper) + x_lower * lower
     error += x * rest
+    # what m is beyond a multiple of 100, and which decimal is the nearest to it there
     whole = product.astype(np.int64)
-    half = 0.5 * np.spacing(x) * power
-    found = whole + np.rint(error).astype(np.int64)
-    is_sure = np.abs(np.abs(error - np.rint(error)) - 0.5) > SURE
+    hundreds = whole // 100 * 100
+    beyond = (whole - hundreds) + error
+    half = _half_in_the_last_place(x) * power
+    found = np.rint(beyond)
+    room = np.abs(np.abs(beyond - found) - 0.5)  # how far m is from where the decision changes
     for unit in (10, 100):
-        floor = whole // unit
-        above = (whole - floor * unit) + error  # of m, above a multiple of the unit
-        steps = np.rint(above / unit)
-        distance = np.abs(above - steps * unit)
-        is_near = distance < half
-        is_sure &= (np.abs(distance - half) > SURE) & (np.abs(distance - 0.5 * unit) > SURE)
-        found = np.where(is_near, (floor + steps.astype(np.int64)) * unit, found)
-    return found, is_sure & (found >= 10**16) & (found < 10**17)
+        nearest = np.rint(beyond / unit) * unit
+        distance = np.abs(beyond - nearest)
+        np.minimum(room, np.abs(distance - half), out=room)
+        np.minimum(room, np.abs(distance - 0.5 * unit), out=room)
+        np.copyto(found, nearest, where=distance < half)
+    hundreds += found.astype(np.int64)
+    return hundreds, (room > SURE) & (hundreds >= 10**16) & (hundreds < 10**17)
+
+
+def _half_in_the_last_place(x: Floats) -> Floats:
+    """Return half the distance from normal numbers to the next: 2^-53 times the power of two."""
+    bits = x.view(np.int64) & _EXPONENT_BITS
+    bits -= 53 << 52
+    return bits.view(np.float64)
 
 
 def _laid_out(digits: npt.NDArray[np.int64], exponent: npt.NDArray[np.int64]) -> Words:
     """Return signless numbers as 32 bytes each: 8 up to the first digit and a point, 16, 8."""
-    first = digits // 10**16
-    rest = digits - first * 10**16
-    halves = rest // 10**8, rest % 10**8
-    groups = [part for half in halves for part in (half // 10**4, half % 10**4)]
+    first, rest = _divided(digits, 10**16)
+    halves = (half.astype(np.uint32) for half in _divided(rest, 10**8))
+    groups = [part for half in halves for part in _divided(half, 10**4)]
     words = np.empty((len(digits), 4), dtype="<u8")
     place = exponent - _EXPONENTS.start
     has_rest = rest != 0
@@ -114,6 +126,12 @@ def _laid_out(digits: npt.NDArray[np.int64], exponent: npt.NDArray[np.int64]) ->
     fours[:, 2] += np.where(has_rest | (exponent < 0), 0, ord("0")).astype(np.uint32)
     words[:, 3] = _TAILS.take(place)
     return words
+
+
+def _divided(numbers: Whole, divisor: int) -> tuple[Whole, Whole]:
+    """Return quotients and remainders; numpy's own remainder is slow."""
+    quotients = numbers // divisor
+    return quotients, numbers - quotients * divisor
 
 
 def _word(text: str) -> np.uint64:
