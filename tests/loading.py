@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from pathlib import Path
 
 from somo_cli.loading import load_text, scene_of
@@ -11,6 +10,7 @@ from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.plan import Plan, make_plan
 from somo_cli.simulation.run import Summary
 from somo_cli.simulation.scene import Scene
+from somo_cli.simulation.springs import Array
 
 DEFINITIONS = Path(__file__).parents[1] / "definitions"
 
@@ -36,8 +36,8 @@ def simulated(scene_or_plan: Scene | Plan, steps: int) -> tuple[list[list[float]
     plan = scene_or_plan if isinstance(scene_or_plan, Plan) else make_plan(scene_or_plan)
     rows: list[list[float]] = []
 
-    def keep(values: Iterable[float]) -> None:
-        rows.append(list(values))
+    def keep(block: Array) -> None:
+        rows.extend(block.tolist())
 
     ticks = iter(range(10))
     with BulletWorld(plan) as world:

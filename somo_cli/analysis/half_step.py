@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -33,13 +33,13 @@ class Estimate:
 
 def estimate(
     plan: Plan,
-    rows: Iterator[Sequence[float]],
+    rows: Callable[[int], Array],
     steps: int,
     open_world: OpenWorld,
     clock: Clock,
     advance: Callable[[int], None] = lambda done: None,
 ) -> Estimate:
-    """Run a plan again at half the step and compare it with its rows, which come one by one.
+    """Run a plan again at half the step and compare it with its rows; `rows(n)` gives the next n.
 
     With p the order of the integrator, y(h) - y(h/2) is the error of y(h) times 1 - 2^-p:
     Richardson, Phil. Trans. R. Soc. A 226 (1927) 299. Raises SimulationDiverged and EngineRefused.
@@ -56,7 +56,7 @@ def estimate(
 class _Gauge:
     """Takes the rows of the finer run, and holds each against its counterpart."""
 
-    def __init__(self, plan: Plan, rows: Iterator[Sequence[float]], factor: float) -> None:
+    def __init__(self, plan: Plan, rows: Callable[[int], Array], factor: float) -> None:
         self._turns = [list(turn) for turn in columns.turns(plan)]
         self._rows = rows
         self._factor = factor
@@ -66,17 +66,16 @@ class _Gauge:
         self._squares: Array = np.zeros(width)
         self._count = 0
 
-    def compare(self, values: Iterable[float]) -> None:
-        fine = np.fromiter(values, dtype=np.float64)
-        coarse = np.array(next(self._rows))
+    def compare(self, fine: Array) -> None:
+        coarse = self._rows(len(fine)).copy()
         for turn in self._turns:
-            if coarse[turn].dot(fine[turn]) < 0:  # q and -q are one turn
-                coarse[turn] = -coarse[turn]
-        difference = coarse - fine
-        self._last = self._factor * np.abs(difference[1:])
-        np.maximum(self._most, self._last, out=self._most)
-        self._squares += self._last**2
-        self._count += 1
+            is_other = np.sum(coarse[:, turn] * fine[:, turn], axis=1) < 0  # q and -q are one turn
+            coarse[np.ix_(is_other, turn)] *= -1
+        difference = self._factor * np.abs(coarse - fine)[:, 1:]
+        self._last = difference[-1]
+        self._most = np.maximum(self._most, difference.max(axis=0))
+        self._squares += np.sum(difference**2, axis=0)
+        self._count += len(fine)
 
     def errors(self) -> tuple[Error, ...]:
         rms = np.sqrt(self._squares / max(1, self._count))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import statistics
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from typing import TypeAlias
@@ -27,14 +27,10 @@ def recorded(plan: Plan, steps: int, open_world: OpenWorld) -> Array:
 
     Raises SimulationDiverged and EngineRefused.
     """
-    rows: list[list[float]] = []
-
-    def keep(values: Iterable[float]) -> None:
-        rows.append(list(values))
-
+    blocks: list[Array] = []
     with open_world(plan) as world:
-        run(plan, world, keep, steps, lambda: 0.0)
-    return np.array(rows)
+        run(plan, world, blocks.append, steps, lambda: 0.0)
+    return np.concatenate(blocks)
 
 
 def run_time(plan: Plan, steps: int, open_world: OpenWorld, clock: Clock, repeats: int) -> float:
@@ -47,5 +43,5 @@ def run_time(plan: Plan, steps: int, open_world: OpenWorld, clock: Clock, repeat
     times = []
     for _ in range(repeats):
         with open_world(bare) as world:
-            times.append(run(bare, world, lambda values: None, steps, clock).wall_time)
+            times.append(run(bare, world, lambda rows: None, steps, clock).wall_time)
     return statistics.median(times)

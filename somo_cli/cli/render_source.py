@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from somo_cli.picture.recording import Recording
     from somo_cli.simulation.run import Summary
     from somo_cli.simulation.scene import Scene
+    from somo_cli.simulation.springs import Array
 
 LARGEST_RECORDING = 500_000_000  # bytes
 _BETWEEN = 8  # rows recorded from picture to picture, where these do not fall on steps
@@ -59,11 +60,11 @@ def simulated(
     between = max(steps, 1) if every is None else _steps_between(every / scene.time_step)
     plan = make_plan(dataclasses.replace(drawn(scene), every=between))
     plan = dataclasses.replace(plan, ends_in_row=True)
-    rows: list[tuple[float, ...]] = []
+    blocks: list[Array] = []
     with BulletWorld(plan) as world, terminal.progress(steps, "simulating") as advance:
-        clock, keep = time.perf_counter, lambda row: rows.append(tuple(row))
-        summary = run(plan, world, keep, steps, clock, advance)
+        summary = run(plan, world, blocks.append, steps, time.perf_counter, advance)
     names = columns.header(plan)
+    rows = [row for block in blocks for row in block.tolist()]
     table = dict(zip(names, zip(*rows, strict=True), strict=True))
     return Recording(scene, table), summary
 

@@ -214,19 +214,21 @@ def _recorded(
     from somo_cli.simulation.run import run as simulate
 
     output, of_events = targets
+    is_live = output == "-"
     try:
         # the outputs come first: the world takes standard output away from the engine
         with (
             files.partial(output) as stream,
             nullcontext() if of_events is None else files.partial(of_events) as event_stream,
             BulletWorld(plan) as world,
-            CsvRecorder(stream, names, flush_rows=output == "-") as recorder,
             terminal.progress(steps, "simulating") as advance,
         ):
+            recorder = CsvRecorder(stream, names, is_live=is_live)
             events = None if event_stream is None else EventRecorder(event_stream, plan)
             write = recorder.write if spool is None else spool.onward_to(recorder.write)
             tell = None if events is None else events.write
-            summary = simulate(plan, world, write, steps, time.perf_counter, advance, tell)
+            clock = time.perf_counter
+            summary = simulate(plan, world, write, steps, clock, advance, tell, is_live)
             return summary, None if events is None else events.events
     except (SimulationDiverged, KeyboardInterrupt):
         for target in targets:
@@ -240,7 +242,7 @@ def _estimated(plan: "Plan", spool: "RowSpool", steps: int) -> "Estimate":
     from somo_cli.simulation.bullet import BulletWorld
 
     with terminal.progress(2 * steps, "at half the step") as advance:
-        return estimate(plan, spool.rows(), steps, BulletWorld, time.perf_counter, advance)
+        return estimate(plan, spool.reader(), steps, BulletWorld, time.perf_counter, advance)
 
 
 def _plain(told: "Estimate", names: Sequence[str]) -> dict[str, object]:

@@ -31,6 +31,7 @@ class FreeRunner(Runner):
         self._wrench: Array = np.zeros(6)
         self._beyond: Array = np.zeros(len(body.chain.joints))
         super().__init__(plan, body, world_body)
+        self._acting = self.actuation
 
     def begin(self, force: Array, rates: Array) -> None:
         """Take the force measured at the start, and let the spin half a step on be the start's."""
@@ -53,6 +54,12 @@ class FreeRunner(Runner):
         felt = self.world_body.felt_by_joints(own)
         np.add(self.actuation, felt, self.law.actuation)
         self._wrench, self._beyond = own[:6], own[6:] - felt
+
+    def count_step(self) -> None:
+        """Count the work of the last step; loads act on the base as well."""
+        super().count_step()
+        if self.loads is not None:
+            self.energy.give(self.loads.work(self.law.angles))
 
     def _account(self) -> None:
         super()._account()

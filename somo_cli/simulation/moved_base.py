@@ -133,9 +133,8 @@ class MovedRunner(Runner):
         world.apply(torques)
 
     def _account(self) -> None:
-        # in the frame of the base: what loads do there they do on the joints
-        law, energy = self.law, self.energy
-        energy.update(law.angles, law.rates, law.actuation, self.mass)
+        super()._account()  # in the frame of the base
+        energy = self.energy
         energy.allow(self._allowance.in_frame(max(energy.present, self._last_energy)))
         self._last_energy = energy.present
         if self._allowance.can_touch:

@@ -2,26 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TypeAlias, cast
 
 import numpy as np
 
-from somo_cli.simulation import touching, watch
+from somo_cli.simulation import touching
 from somo_cli.simulation.endings import Ending, Stopped
+from somo_cli.simulation.energy import ThingsEnergy
 from somo_cli.simulation.events import ContactWatch, Event
 from somo_cli.simulation.free_base import FreeRunner
 from somo_cli.simulation.moved_base import MovedRunner
 from somo_cli.simulation.moved_thing import ThingMover
 from somo_cli.simulation.penetration import Penetration, PenetrationWatch, steps_between_looks
 from somo_cli.simulation.plan import Plan
-from somo_cli.simulation.rows import Rows
+from somo_cli.simulation.rows import Rows, Write
 from somo_cli.simulation.runner import STEPS_BETWEEN_LOOKS, Runner
 from somo_cli.simulation.start import begin
+from somo_cli.simulation.watch import Watch
 from somo_cli.simulation.world import World, WorldMovedBody, WorldMovedThing
 
 Driven: TypeAlias = Runner | ThingMover
+
+LIVE = 0.05  # s for which a row may wait, but for what passes between two looks
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,17 +48,19 @@ class Summary:
 def run(
     plan: Plan,
     world: World,
-    write: Callable[[Iterable[float]], None],
+    write: Write,
     steps: int,
     clock: Callable[[], float],
     advance: Callable[[int], None] = lambda done: None,
     tell: Callable[[Event], None] | None = None,
+    is_live: bool = False,
 ) -> Summary:
     """Simulate `steps` steps and write a row of SI values for every recorded one, start included.
 
-    With `tell`, contacts are looked at in every step, and every change of them is told. The run
-    ends earlier if a condition of the plan says so. Raises SimulationDiverged; the rows before it
-    have been written.
+    Rows are written many at once, (rows, columns); if `is_live`, none waits for long. With `tell`,
+    contacts are looked at in every step, and every change of them is told. The run ends earlier
+    if a condition of the plan says so. Raises SimulationDiverged. Whatever ends the run, the rows
+    before it have been written.
     """
     runners = [_runner(plan, world, number) for number, _ in enumerate(plan.bodies)]
     movers = [
@@ -65,60 +72,64 @@ def run(
     ]
     driven: list[Driven] = [*runners, *movers]
     begin(plan, world, runners, movers)
-    recorded = Rows(plan, world, runners)
+    given = _given(plan, world, movers)
+    watch = Watch(plan, runners, given)
+    recorded = Rows(plan, world, runners, watch, write)
     ending = Ending(plan, world, runners, steps)
     contacts = None if tell is None else ContactWatch(plan.time_step, tell)
     depths = PenetrationWatch(plan, world) if plan.can_touch else None
-    energy_of_things = watch.ThingsEnergy(plan, world.things)
     last = ending.steps
     stopped: Stopped | None = None
-    step = rows = 0
-    started = clock()
-    while True:
-        _actuate(plan, driven, step)
-        is_look = step % STEPS_BETWEEN_LOOKS == 0
-        is_due = step % plan.every == 0 or step == last
-        if is_look or is_due:
-            for runner in runners:
-                runner.measure()
-            given = energy_of_things.given() + sum(mover.given() for mover in movers)
-            watch.check(step, plan, runners, given)
-        if depths is not None:
-            depths.look(step)
-            if step % _steps_between_looks(plan) == 0:  # not at rows: they change nothing
-                world.heed_contacts()
-        advance(step)
-        if is_look:
-            recorded.look()
-            stopped = ending.look(step)
-        if stopped is not None:
-            last = step
-        is_recorded = step % plan.every == 0 or (plan.ends_in_row and step == last)
-        if is_recorded:
+    step = 0
+    started = released = clock()
+    try:
+        while True:
+            _actuate(plan, driven, step)
+            is_look = step % STEPS_BETWEEN_LOOKS == 0
+            if is_look or step == last:
+                watch.look(step)
+            if depths is not None:
+                depths.look(step)
+                if step % _steps_between_looks(plan) == 0:  # not at the end: it changes nothing
+                    world.heed_contacts()
+            advance(step)
+            if is_look:
+                recorded.look()
+                stopped = ending.look(step)
+                if recorded.is_full or (is_live and clock() - released > LIVE):
+                    recorded.release()
+                    released = clock() if is_live else released
+            if stopped is not None:
+                last = step
+            if step >= last:
+                break
+            until = _next_stop(plan, step, last)
+            _go(plan, world, runners, driven, step, until, recorded, contacts)
+            step = until
+        if step % plan.every == 0 or plan.ends_in_row:
             recorded.take(step)
-        until = _next_stop(plan, step, last)
-        if is_recorded and recorded.needs_next_step:
-            until = step + 1
-        if step < last:
-            _step(plan, world, runners, driven, step, until, contacts)
-        elif until == step + 1:
-            _step(plan, world, runners, driven, step, until)  # beyond the end, for velocities alone
-        if is_recorded:
-            write(recorded.row())
-            rows += 1
-        if step >= last:
-            deepest = None if depths is None else depths.deepest
-            return Summary(last, rows, clock() - started, stopped or ending.at(step), deepest)
-        step = until
+            if recorded.needs_next_step:  # beyond the end, for velocities alone
+                for push in _pushes(runners, step):
+                    push()
+                world.step()
+                for runner in runners:
+                    runner.pull()
+                recorded.complete()
+    except BaseException:
+        with suppress(OSError):  # a full disk is not to hide what ended the run
+            recorded.release()
+        raise
+    recorded.release()
+    deepest = None if depths is None else depths.deepest
+    taken = clock() - started
+    return Summary(last, recorded.written, taken, stopped or ending.at(step), deepest)
 
 
-def _next_stop(plan: Plan, step: int, steps: int) -> int:
-    """Return the next step with a look, a row or the end; where rows fall changes no torque."""
+def _next_stop(plan: Plan, step: int, last: int) -> int:
+    """Return the next step with a look, or the last one."""
     between = _steps_between_looks(plan)
     next_look = step - step % STEPS_BETWEEN_LOOKS + STEPS_BETWEEN_LOOKS
-    next_look = min(next_look, step - step % between + between)
-    next_row = step - step % plan.every + plan.every
-    return max(step, min(next_look, next_row, steps))
+    return min(next_look, step - step % between + between, last)
 
 
 def _steps_between_looks(plan: Plan) -> int:
@@ -141,40 +152,58 @@ def _met(world: World, number: int) -> Callable[[], Sequence[float]]:
     return lambda: touching.total(touching.on(world.touches(), number))
 
 
-def _step(
+def _given(plan: Plan, world: World, movers: Sequence[ThingMover]) -> Callable[[], float]:
+    """Return what tells the most energy that objects may have added by now."""
+    of_things = ThingsEnergy(plan, world.things)
+    return lambda: of_things.given() + sum(mover.given() for mover in movers)
+
+
+def _go(
     plan: Plan,
     world: World,
     runners: Sequence[Runner],
     driven: Sequence[Driven],
     first: int,
     until: int,
-    contacts: ContactWatch | None = None,
+    recorded: Rows,
+    contacts: ContactWatch | None,
 ) -> None:
     """Advance from step `first`, whose actuation is set, to step `until`."""
-    advance = world.step
+    advance, every = world.step, plan.every
     pulls = [runner.pull for runner in runners]
-    is_look = first % STEPS_BETWEEN_LOOKS == 0
-    for runner in runners:
-        (runner.push_first if is_look else runner.push)()
-    advance()
-    for pull in pulls:
-        pull()
-    if contacts is not None:
-        contacts.look(first + 1, world.touches())
-    if until == first + 1:
-        return
-    pushes = [runner.push for runner in runners]
+    counts = [runner.count_step for runner in runners]
     is_steady = _is_steady(plan, driven, first, until)
-    for step in range(first + 1, until):
-        if not is_steady:
+    completes = recorded.needs_next_step
+    pushes = _pushes(runners, first)
+    for step in range(first, until):
+        if not is_steady and step > first:
             _actuate(plan, driven, step)
+        is_row = step % every == 0
+        if is_row:
+            recorded.take(step)
         for push in pushes:
             push()
+        if step == first:
+            pushes = _pushes(runners, step + 1)
         advance()
         for pull in pulls:
             pull()
+        if is_row and completes:
+            recorded.complete()
+        if not is_steady:
+            for count in counts:
+                count()
         if contacts is not None:
             contacts.look(step + 1, world.touches())
+    for runner in runners:
+        runner.count_work(is_steady)
+
+
+def _pushes(runners: Sequence[Runner], step: int) -> list[Callable[[], None]]:
+    """Return what applies the torques of a step."""
+    if step % STEPS_BETWEEN_LOOKS == 0:
+        return [runner.push_first for runner in runners]
+    return [runner.push for runner in runners]
 
 
 def _actuate(plan: Plan, driven: Sequence[Driven], step: int) -> None:

@@ -13,13 +13,13 @@ import numpy as np
 
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.simulation.dynamics import ChainDynamics, ChainPose
+from somo_cli.simulation.energy import BodyEnergy
 from somo_cli.simulation.loads import BodyLoads
 from somo_cli.simulation.manner import fastest_fall, pendulum, staleness
 from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.springs import Array, SpringLaw, Springs
 from somo_cli.simulation.stops import Stops
 from somo_cli.simulation.vibration import natural_frequencies
-from somo_cli.simulation.watch import BodyEnergy
 from somo_cli.simulation.world import WorldBody
 
 CALM_REFRESH = 0.03  # rad: the mass matrix is renewed once the joints have moved this far, as the
@@ -68,6 +68,9 @@ class Runner:
         is_explicit = plan.integrator == "explicit"
         self.push: Callable[[], None] = self._push_held if is_explicit else self._push_swiftly
         """Applies the torques of the law to the world."""
+        self._acting: Array = self.law.actuation  # whose work on the joints is counted
+        self._worked_at: Array = np.array(body.start.angles)  # when that was done last
+        self._power = 0.0  # summed over the steps since then
         self._is_heavy = False  # whether gravity alone would be too fast for the step
         self._gravity = plan.gravity
         self._freshness = 1.0  # times the angles above, where the inertia changes fast
@@ -227,11 +230,26 @@ class Runner:
         self._account()
 
     def _account(self) -> None:
-        """Take the energy of the present state, and what was put in."""
-        law, energy = self.law, self.energy
-        if self.loads is not None:
-            energy.give(self.loads.work(law.angles))
-        energy.update(law.angles, law.rates, self.actuation, self.mass)
+        """Take the energy of the present state."""
+        self.energy.update(self.law.angles, self.law.rates, self.mass)
+
+    def count_step(self) -> None:
+        """Count the work of the last step, over which the joints moved by their rates."""
+        self._power += self._acting.dot(self.law.rates)
+
+    def count_work(self, is_steady: bool) -> None:
+        """Tell the energy of work done since the last call.
+
+        It was counted step by step, unless what acted is steady.
+        """
+        angles = self.law.angles
+        if is_steady:
+            work = self._acting.dot(angles - self._worked_at)
+        else:
+            work = self.law.time_step * self._power
+            self._power = 0.0
+        self.energy.give(float(work))
+        self._worked_at[:] = angles
 
     def refresh_if_moved(self) -> None:
         """Renew the mass matrix if it is that of angles too far from the present ones."""

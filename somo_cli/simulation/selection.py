@@ -15,10 +15,6 @@ class Kept:
     places: tuple[int, ...]
     is_whole: bool
 
-    def of(self, values: Sequence[float]) -> Sequence[float]:
-        """Return of the values of all columns at hand those of the kept ones."""
-        return values if self.is_whole else [values[place] for place in self.places]
-
 
 def kept(patterns: Sequence[str], names: Sequence[str]) -> Kept:
     """Return the columns whose name matches one of the patterns; without patterns, all.

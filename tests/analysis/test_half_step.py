@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import json
-from pathlib import Path
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -13,7 +14,6 @@ from somo_cli.analysis.half_step import Estimate, estimate
 from somo_cli.simulation import columns
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.plan import make_plan
-from somo_cli.simulation.recorder import RowSpool
 from somo_cli.simulation.scene import Scene
 from tests.loading import rows_of, scene_from_file, scene_from_text, simulated
 from tests.simulation.test_physics import error_of_hinge, finger, hinge, truth_of_finger
@@ -21,7 +21,13 @@ from tests.simulation.test_physics import error_of_hinge, finger, hinge, truth_o
 
 def estimated(scene: Scene, steps: int) -> Estimate:
     plan = make_plan(scene)
-    return estimate(plan, iter(rows_of(plan, steps)), steps, BulletWorld, lambda: 0.0)
+    return estimate(plan, in_turn(rows_of(plan, steps)), steps, BulletWorld, lambda: 0.0)
+
+
+def in_turn(rows: list[list[float]]) -> Callable[[int], np.ndarray]:
+    """Return a function that gives the next so many rows."""
+    left = iter(rows)
+    return lambda count: np.array(list(itertools.islice(left, count)))
 
 
 @pytest.mark.parametrize("integrator", ["implicit", "euler", "explicit"])
@@ -62,18 +68,6 @@ def test_turned_quaternions_are_no_error() -> None:
     assert max(turns) < 0.05
 
 
-def test_a_spool_gives_back_what_it_took(tmp_path: Path) -> None:
-    passed: list[list[float]] = []
-    rows = [[0.1, 1e300], [-0.0, 2**-1074], [3.0, 4.0]]
-    with (tmp_path / "rows").open("w+b") as stream:
-        spool = RowSpool(stream, 2)
-        keep = spool.onward_to(lambda values: passed.append(list(values)))
-        for row in rows:
-            keep(iter(row))
-        assert [list(row) for row in spool.rows()] == rows == passed
-        assert [list(row) for row in spool.rows()] == rows
-
-
 def test_picked_columns_have_the_errors_they_have_among_all() -> None:
     every = {"every": 50, "columns": ["tip_position", "base_pose", "link_orientations"]}
     only = ["*.tip.y_m", "*.base_pose.q[xw]", "*.actuator_1_segment_01.q*"]
@@ -93,6 +87,6 @@ def test_a_run_that_was_stopped_is_held_against_one_of_the_same_length() -> None
     plan = make_plan(scene)
     rows, summary = simulated(plan, 500)
     assert (summary.steps, rows[-1][0]) == (123, 0.123)
-    found = estimate(plan, iter(rows), summary.steps, BulletWorld, lambda: 0.0)
+    found = estimate(plan, in_turn(rows), summary.steps, BulletWorld, lambda: 0.0)
     last = estimated(dataclasses.replace(scene, stops=(), every=123), 123)
     assert found.errors[0].final == last.errors[0].final

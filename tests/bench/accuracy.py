@@ -20,6 +20,7 @@ from somo_cli.simulation import run
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.plan import make_plan
 from somo_cli.simulation.scene import Scene
+from somo_cli.simulation.springs import Array
 from tests.loading import scene_from_text
 from tests.simulation.mujoco_reference import model_of, trajectory
 
@@ -58,15 +59,13 @@ def measured(scene: Scene, repeats: int) -> tuple[np.ndarray, float]:
     """Return the angles every tenth of a second and the time of the loop [s]."""
     times = []
     for _ in range(repeats):
-        rows: list[list[float]] = []
+        blocks: list[Array] = []
         plan = make_plan(scene)
         with BulletWorld(plan) as world:
             steps = round(1 / scene.time_step)
-            summary = run.run(
-                plan, world, lambda row, keep=rows: keep.append(list(row)), steps, time.perf_counter
-            )
+            summary = run.run(plan, world, blocks.append, steps, time.perf_counter)
         times.append(summary.wall_time)
-    return np.array(rows)[1:, 1:], statistics.median(times)
+    return np.concatenate(blocks)[1:, 1:], statistics.median(times)
 
 
 def main() -> None:

@@ -16,7 +16,7 @@ import math
 import pstats
 import statistics
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -26,6 +26,7 @@ from somo_cli.simulation import columns
 from somo_cli.simulation import run as stepping
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.plan import Plan, make_plan
+from somo_cli.simulation.rows import Write
 from tests.bench.classic import leave_at_defaults
 from tests.loading import rows_of, scene_from_text
 
@@ -89,7 +90,7 @@ def timed_engine(world: BulletWorld) -> Iterator[list[float]]:
     yield total
 
 
-def ours(plan: Plan, write: Callable[[Iterable[float]], None]) -> tuple[float, float]:
+def ours(plan: Plan, write: Write) -> tuple[float, float]:
     """Return the time of a step [us], all of it, recording included; and the engine's part of it.
 
     The part is of a run of its own, since taking it costs time, too.

@@ -14,12 +14,12 @@ from typing import Any
 from unittest.mock import patch
 
 from somo_cli.simulation import run as stepping
-from somo_cli.simulation import watch
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.bullet_body import BulletBody
 from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.runner import Runner
 from somo_cli.simulation.springs import SpringLaw
+from somo_cli.simulation.watch import Watch
 from tests.bench import hand
 from tests.bench import stepping as finger
 
@@ -32,8 +32,8 @@ PARTS: dict[str, tuple[tuple[type | Any, str], ...]] = {
     "law: new inertia": ((SpringLaw, "refresh"), (Runner, "refresh")),
     "looks: whether a correction may be held": ((Runner, "push_first"),),
     "actuation": ((Runner, "actuate"), (stepping, "_is_steady")),
-    "watch": ((Runner, "measure"), (watch, "check")),
-    "loop": ((stepping, "_step"),),
+    "watch": ((Runner, "measure"), (Runner, "count_step"), (Runner, "count_work"), (Watch, "look")),
+    "loop": ((stepping, "_go"),),
 }
 
 

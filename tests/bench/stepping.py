@@ -13,7 +13,7 @@ import argparse
 import dataclasses
 import statistics
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 
 import mujoco
 import numpy as np
@@ -22,6 +22,7 @@ from somo_cli.simulation import run as stepping
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.bullet_body import BulletBody
 from somo_cli.simulation.plan import Plan, make_plan
+from somo_cli.simulation.springs import Array
 from tests.bench.classic import leave_at_defaults
 from tests.loading import scene_from_file
 from tests.simulation.mujoco_reference import model_of
@@ -56,9 +57,9 @@ def plan_of(joints: int) -> Plan:
 
 def microseconds_of_ours(plan: Plan) -> float:
     """Time our loop, all of it, recording included."""
-    rows: list[Iterable[float]] = []
+    blocks: list[Array] = []
     with BulletWorld(plan) as world:
-        summary = stepping.run(plan, world, rows.append, STEPS, CLOCK)
+        summary = stepping.run(plan, world, blocks.append, STEPS, CLOCK)
     return summary.wall_time / STEPS * 1e6
 
 

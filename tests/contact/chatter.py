@@ -10,7 +10,6 @@ import dataclasses
 import json
 import math
 import time
-from collections.abc import Iterable
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from somo_cli.problems import SimulationDiverged
 from somo_cli.simulation import columns, run
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.plan import make_plan
+from somo_cli.simulation.springs import Array
 from tests.contact.candidates import Candidate
 from tests.contact.cases import dragged
 from tests.loading import scene_from_text
@@ -48,16 +48,12 @@ def shake(candidate: Candidate, dampers: float, step: float) -> float:
         columns=("joint_angles",),
     )
     plan = make_plan(scene)
-    rows: list[list[float]] = []
-
-    def keep(values: Iterable[float]) -> None:
-        rows.append(list(values))
-
+    blocks: list[Array] = []
     try:
         with candidate.installed(), BulletWorld(plan) as world:
-            run.run(plan, world, keep, round(SECONDS / step), time.perf_counter)
+            run.run(plan, world, blocks.append, round(SECONDS / step), time.perf_counter)
     except SimulationDiverged:
         return math.nan
-    angles = np.array(rows)[:, 1 : len(columns.header(plan))]
+    angles = np.concatenate(blocks)[:, 1 : len(columns.header(plan))]
     bent = angles[2:] - 2 * angles[1:-1] + angles[:-2]
     return float(np.abs(bent[len(bent) // 2 :]).max() / 2)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import math
 import time
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 
@@ -15,6 +14,7 @@ from somo_cli.problems import SimulationDiverged
 from somo_cli.simulation import columns, run
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.plan import make_plan
+from somo_cli.simulation.springs import Array
 from tests.contact.candidates import EXPLICIT, PLAIN, Candidate
 from tests.contact.cases import Case, Table, named
 
@@ -43,14 +43,10 @@ def recorded(case: Case, step: float, candidate: Candidate = PLAIN) -> tuple[Tab
     """Run a case, and return its columns; raises SimulationDiverged."""
     scene = dataclasses.replace(case.scene(step), integrator=candidate.integrator)
     plan = make_plan(scene)
-    rows: list[list[float]] = []
-
-    def keep(values: Iterable[float]) -> None:
-        rows.append(list(values))
-
+    blocks: list[Array] = []
     with candidate.installed(), BulletWorld(plan) as world:
-        summary = run.run(plan, world, keep, round(case.seconds / step), time.perf_counter)
-    return dict(zip(columns.header(plan), np.array(rows).T, strict=True)), summary
+        summary = run.run(plan, world, blocks.append, round(case.seconds / step), time.perf_counter)
+    return dict(zip(columns.header(plan), np.concatenate(blocks).T, strict=True)), summary
 
 
 def trial(case: Case, step: float, candidate: Candidate = PLAIN) -> Trial:

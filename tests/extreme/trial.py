@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -70,22 +69,18 @@ def outcome(case: Case, integrator: Integrator) -> Outcome:
     """Run a case and judge it."""
     steps = case.steps
     plan = case.plan(integrator, case.time_step, max(1, steps // ROWS))
-    rows: list[list[float]] = []
-
-    def keep(values: Iterable[float]) -> None:
-        rows.append(list(values))
-
+    blocks: list[Array] = []
     try:
         with BulletWorld(plan) as world:
             before = momentum(world, plan)
-            run.run(plan, world, keep, steps, lambda: 0.0)
+            run.run(plan, world, blocks.append, steps, lambda: 0.0)
             after = momentum(world, plan)
     except SimulationDiverged as error:
         is_too_fast = integrator != "explicit" and _is_too_fast(case, error.step)
         return Outcome(diverged=error.step, is_too_fast=is_too_fast)
     except EngineRefused as error:
         return Outcome(refused=str(error))
-    table = np.array(rows)
+    table = np.concatenate(blocks)
     n = case.joints
     angles, energies = table[:, 1 : 1 + n], table[:, 1 + n :]
     apart, is_due = _rest(case, plan, angles[-1])
@@ -106,10 +101,9 @@ def _is_too_fast(case: Case, steps: int) -> bool:
     plan = dataclasses.replace(plan, columns=("joint_rates",))
     fastest = 0.0
 
-    def look(values: Iterable[float]) -> None:
+    def look(block: Array) -> None:
         nonlocal fastest
-        _, *rates = values
-        fastest = max(fastest, *map(abs, rates))
+        fastest = max(fastest, float(np.abs(block[:, 1:]).max()))
 
     try:
         with BulletWorld(plan) as world:

@@ -12,7 +12,7 @@ import pytest
 
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
-from somo_cli.simulation import columns, run, runner, watch
+from somo_cli.simulation import columns, energy, run, runner
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.dynamics import ChainDynamics
 from somo_cli.simulation.loads import generalised, stiffness_of
@@ -255,7 +255,7 @@ def test_the_watch_follows_every_limb_from_the_body() -> None:
         text = f"assembly_name: pair\nbody_definition: {BODY}\nlimbs: [{kept}]\n"
         body = make_plan(scene_from_text(text)).bodies[0]
         root = body.chain.links[0].inertial
-        return watch._fall(body) - 2 * root.mass * geometry.norm(root.centre)
+        return energy._fall(body) - 2 * root.mass * geometry.norm(root.centre)
 
     left, right = beyond_the_root(("left",)), beyond_the_root(("right",))
     assert left > 0 < right

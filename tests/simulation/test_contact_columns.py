@@ -11,7 +11,7 @@ from somo_cli.simulation import columns
 from somo_cli.simulation.plan import make_plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.manipulator.bodies import X, actuator, manipulator
-from tests.simulation.test_thing_columns import table, vectors
+from tests.simulation.test_thing_readings import table, vectors
 from tests.simulation.test_things import CUBE, G, scene_of
 
 FORCE = ("fx_n", "fy_n", "fz_n")

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import errno
+import itertools
 import json
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 import pytest
 
-from somo_cli.problems import SimulationDiverged
+from somo_cli.problems import EngineRefused, SimulationDiverged
 from somo_cli.simulation.plan import Plan, make_plan
 from somo_cli.simulation.run import Summary, run
+from somo_cli.simulation.springs import Array
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.simulation.fake_world import FakeWorld, plan_of_hinges
 
@@ -30,8 +33,8 @@ class Ended:
         self.error: SimulationDiverged | None = None
         ticks = iter([10.0, 12.5])
 
-        def write(values: Iterable[float]) -> None:
-            self.rows.append(list(values))
+        def write(block: Array) -> None:
+            self.rows.extend(block.tolist())
 
         try:
             self.summary = run(plan, world, write, steps, lambda: next(ticks), self.reported.append)
@@ -193,20 +196,65 @@ def test_bodies_come_in_the_order_of_the_plan() -> None:
 
 def test_an_error_of_the_writer_ends_the_run() -> None:
     plan = plan_of()
-    written: list[list[float]] = []
+    world = FakeWorld(plan)
+    blocks: list[Array] = []
 
-    def write(values: Iterable[float]) -> None:
-        if len(written) == 3:
+    def write(block: Array) -> None:
+        blocks.append(block)
+        if len(blocks) == 3:
             raise BrokenPipeError
-        written.append(list(values))
 
     with pytest.raises(BrokenPipeError):
-        run(plan, FakeWorld(plan), write, 10, clock())
-    assert len(written) == 3
+        run(plan, world, write, 10_000, lambda: 0.0)
+    times = np.concatenate(blocks)[:, 0]
+    assert times == pytest.approx(0.001 * np.arange(len(times)), rel=1e-12)
+    assert world.steps < 1000
 
 
-def clock() -> Callable[[], float]:
-    return lambda: 0.0
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), EngineRefused("a", "it is tired")])
+def test_whatever_ends_a_run_its_rows_are_written(error: BaseException) -> None:
+    plan = plan_of(["joint_angles", "joint_rates"])
+    world = FakeWorld(plan)
+    rows: list[list[float]] = []
+
+    def end() -> None:
+        raise error
+
+    world.at_step[STEPS_AT_START["implicit"] + 300] = end
+    with pytest.raises(type(error)):
+        run(plan, world, lambda block: rows.extend(block.tolist()), 1000, lambda: 0.0)
+    # the row of step 299 would have needed the step that failed
+    assert [row[0] for row in rows] == pytest.approx(0.001 * np.arange(299), rel=1e-12)
+
+
+def test_a_full_disk_does_not_hide_what_ended_the_run() -> None:
+    plan = plan_of()
+    world = FakeWorld(plan)
+
+    def end() -> None:
+        raise KeyboardInterrupt
+
+    def write(block: Array) -> None:
+        raise OSError(errno.ENOSPC, "no space left")
+
+    world.at_step[STEPS_AT_START["implicit"] + 20] = end
+    with pytest.raises(KeyboardInterrupt):
+        run(plan, world, write, 1000, lambda: 0.0)
+    with pytest.raises(OSError, match="no space left"):
+        run(plan, FakeWorld(plan), write, 10, lambda: 0.0)
+
+
+@pytest.mark.parametrize(("is_live", "most"), [(True, 8), (False, 300)])
+def test_a_reader_need_not_wait(is_live: bool, most: int) -> None:
+    """A clock that goes a second a look; one that is not asked where nobody reads."""
+    plan = plan_of()
+    blocks: list[Array] = []
+    clock = itertools.count(0.0, 1.0)
+    run(plan, FakeWorld(plan), blocks.append, 2000, lambda: next(clock), is_live=is_live)
+    times = np.concatenate(blocks)[:, 0]
+    assert times == pytest.approx(0.001 * np.arange(2001), rel=1e-12)
+    assert most - 50 < max(map(len, blocks)) <= most
+    assert (next(clock) > 100) is is_live
 
 
 TWO_FREE = {

@@ -26,4 +26,4 @@ def test_what_is_kept(patterns: tuple[str, ...], places: tuple[int, ...]) -> Non
     found = kept(patterns, NAMES)
     assert found.places == places
     assert found.names == tuple(NAMES[place] for place in places)
-    assert list(found.of([0.5, 1.5, 2.5, 3.5])) == [place + 0.5 for place in places]
+    assert found.is_whole is (places == (0, 1, 2, 3))

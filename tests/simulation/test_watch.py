@@ -14,13 +14,15 @@ import pytest
 from somo_cli.problems import SimulationDiverged
 from somo_cli.simulation import run, watch
 from somo_cli.simulation.bullet import BulletWorld
+from somo_cli.simulation.energy import SMALL_ANGLE, BodyEnergy
 from somo_cli.simulation.plan import Plan, make_plan
 from somo_cli.simulation.springs import Springs
-from somo_cli.simulation.watch import BodyEnergy
+from somo_cli.simulation.watch import Past, Watch
 from tests.loading import DEFINITIONS, rows_of, scene_from_file, scene_from_text, simulated
 from tests.manipulator.bodies import actuator, hinge, manipulator
 from tests.simulation import test_physics as physics
 from tests.simulation.fake_world import INERTIA, NEUTRAL, STIFFNESS, plan_of_hinges
+from tests.simulation.test_energy import of_hinge
 
 SCENES = sorted(path.name for path in DEFINITIONS.glob("*scene.yaml"))
 JOINTS = "manipulators[0].definition.actuator_definitions[0].joint_definitions"
@@ -98,7 +100,7 @@ def test_no_alarm_in_the_shipped_scenes_at_large_steps(name: str) -> None:
 def diverged(plan: Plan, steps: int) -> tuple[SimulationDiverged, list[list[float]]]:
     rows: list[list[float]] = []
     with BulletWorld(plan) as world, pytest.raises(SimulationDiverged) as caught:
-        run.run(plan, world, lambda row: rows.append(list(row)), steps, lambda: 0.0)
+        run.run(plan, world, lambda block: rows.extend(block.tolist()), steps, lambda: 0.0)
     return caught.value, rows
 
 
@@ -211,6 +213,9 @@ class Moving:
     mass_at_start: np.ndarray
     rates: np.ndarray
 
+    def measure(self) -> None:
+        """Be as it is."""
+
 
 def moving(plan: Plan, rates: Sequence[float], index: int = 0) -> Moving:
     """Return a body of hinges at rest at its neutral angles, which then has these rates."""
@@ -220,7 +225,7 @@ def moving(plan: Plan, rates: Sequence[float], index: int = 0) -> Moving:
     energy = BodyEnergy(body, springs, (0.0, 0.0, 0.0))
     mass = INERTIA * np.diag(ones)
     for present in (0.0 * ones, np.array(rates)):
-        energy.update(NEUTRAL * ones, present, 0.0 * ones, mass)
+        energy.update(NEUTRAL * ones, present, mass)
     fastest = float(np.abs(rates).max()) if np.isfinite(rates).all() else math.nan
     return Moving(body, energy, fastest, mass, mass, np.array(rates))
 
@@ -242,55 +247,77 @@ def test_energy_of_one_body_may_come_from_another() -> None:
     # the first one had been bent, and gave what it had
     first.energy = of_hinge()
     for angle in (0.3, NEUTRAL):
-        first.energy.update(np.array([angle]), np.zeros(1), np.zeros(1), INERTIA * np.eye(1))
+        first.energy.update(np.array([angle]), np.zeros(1), INERTIA * np.eye(1))
     watch.check(1, plan, [first, struck])
-
-
-def of_hinge(gravity: float = 0.0, **start: object) -> BodyEnergy:
-    body = plan_of_hinges(1).bodies[0]
-    body = dataclasses.replace(body, start=dataclasses.replace(body.start, **start))  # type: ignore[arg-type]
-    springs = Springs(np.array([STIFFNESS]), np.zeros(1), np.array([NEUTRAL]))
-    return BodyEnergy(body, springs, (0.0, 0.0, -gravity))
-
-
-def test_the_energy_is_that_of_motion_and_springs() -> None:
-    energy = of_hinge()
-    energy.update(np.array([0.4]), np.array([3.0]), np.zeros(1), INERTIA * np.eye(1))
-    expected = 0.5 * INERTIA * 9 + 0.5 * STIFFNESS * 0.3**2
-    assert energy.present == pytest.approx(expected)
-    assert energy.bound == pytest.approx(expected)
-    shares = energy.by_joint(np.array([3.0]), INERTIA * np.eye(1))
-    assert shares == pytest.approx([expected])
-
-
-def test_the_bound_grows_by_the_most_work_done() -> None:
-    energy = of_hinge()
-    bounds = []
-    for angle, torque in ((0.1, 0.0), (0.1, 2.0), (0.4, 2.0), (0.6, 4.0), (0.2, 4.0)):
-        energy.update(np.array([angle]), np.zeros(1), np.array([torque]), INERTIA * np.eye(1))
-        bounds.append(energy.bound)
-    assert bounds == pytest.approx([0.0, 0.0, 0.6, 1.2, 1.2])
-
-
-def test_the_bound_knows_gravity_and_the_base() -> None:
-    still = of_hinge()
-    heavy = of_hinge(gravity=9.81)
-    thrown = of_hinge(linear_velocity=(0.0, 3.0, 0.0), angular_velocity=(1.0, 0.0, 0.0))
-    assert still.bound == 0.0
-    # two links of 1.5 g whose centres are 5 mm and 15 mm from the base's origin, twice over
-    assert heavy.bound == pytest.approx(9.81 * 2 * 0.0015 * (0.005 + 0.015), rel=1e-6)
-    assert thrown.bound > 0.5 * 0.003 * 9
-    heavy.let_base_fall(2.0)
-    heavy.let_base_fall(1.0)
-    assert heavy.bound == pytest.approx(9.81 * (2 * 0.0015 * 0.02 + 0.003 * 2.0), rel=1e-6)
 
 
 def test_small_motion_is_never_called_divergence() -> None:
     plan = plan_of_hinges(1)
     one = moving(plan, [0.0])
-    angles = np.array([NEUTRAL + 0.5 * watch.SMALL_ANGLE])
-    one.energy.update(angles, np.zeros(1), np.zeros(1), INERTIA * np.eye(1))
+    angles = np.array([NEUTRAL + 0.5 * SMALL_ANGLE])
+    one.energy.update(angles, np.zeros(1), INERTIA * np.eye(1))
     watch.check(1, plan, [one])
+
+
+PULSE = "interpolation: step, waypoints: [[0, 0], [{}, {}], [{}, 0]]"
+
+
+@pytest.mark.parametrize("every", [1, 1000])
+@pytest.mark.parametrize("start", [0.0, 0.0005, 0.0015, 0.0025, 0.0065])
+@pytest.mark.parametrize(
+    "pulse",
+    [
+        "actuation=[{{actuator: 0, axis: 0, {}}}]",
+        "loads=[{{link: tip, force: [0.3, 0, 0], {}}}]",
+    ],
+)
+def test_what_a_pulse_between_two_looks_puts_in_is_counted(
+    pulse: str, start: float, every: int
+) -> None:
+    factor = 0.3 if "actuation" in pulse else 1.0
+    course = PULSE.format(start + 1e-4, factor, start + 0.0051)
+    for base in ("static", "free"):
+        body = f"{{definition: finger.yaml, base: {base}}}"
+        scene = scene_from_text(
+            f"gravity: [0, 0, 0]\nmanipulators: [{body}]\n",
+            f"record={{every: {every}, columns: [joint_angles]}}",
+            "manipulators[0]." + pulse.format(course),
+        )
+        rows, _ = simulated(scene, 1000)
+        assert max(map(abs, rows[-1])) > 1e-3
+
+
+def test_a_pulse_that_is_not_counted_would_be_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(BodyEnergy, "give", lambda energy, work: None)
+    with pytest.raises(SimulationDiverged):
+        test_what_a_pulse_between_two_looks_puts_in_is_counted(
+            "actuation=[{{actuator: 0, axis: 0, {}}}]", 0.0005, 1
+        )
+
+
+def past_of(angles: list[float], rates: list[float]) -> Past:
+    mass = INERTIA * np.eye(1)
+    return Past(np.array([angles]).T, np.array([rates]).T, [mass] * len(angles))
+
+
+def test_rows_before_the_first_that_is_refused_are_sound() -> None:
+    plan = plan_of_hinges(1, names=("a", "b"))
+    bodies = [moving(plan, [1.0], index) for index in range(2)]
+    for body in bodies:
+        body.energy.give(1.0)
+    seen = Watch(plan, bodies)
+    calm = past_of([NEUTRAL] * 5, [0.1] * 5)
+    assert seen.sound([calm, calm]) == 5
+    for wild in (1e6, -1e6, 1e3, math.nan, math.inf):
+        swift = past_of([NEUTRAL] * 5, [0.1, 0.1, wild, 0.1, wild])
+        assert seen.sound([calm, swift]) == seen.sound([swift, calm]) == 2
+        with pytest.raises(SimulationDiverged) as caught:
+            seen.refuse(7, [calm, swift], 2)
+        assert (caught.value.step, caught.value.joint) == (7, "b.actuator_0_joint_01")
+    bent = past_of([NEUTRAL, 4.0], [0.0, 0.0])  # fast enough, but more than was put in
+    assert seen.sound([calm, past_of([NEUTRAL] * 5, [0.1] * 5)]) == 5
+    assert seen.sound([bent, past_of([NEUTRAL] * 2, [0.0] * 2)]) == 1
+    assert seen.sound([past_of([], []), past_of([], [])]) == 0
 
 
 def test_scenes_are_found() -> None:
