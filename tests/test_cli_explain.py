@@ -44,6 +44,19 @@ def test_keeping_everything_changes_no_byte(somo: Somo, here: Path, scene: str) 
     assert lean.stdout == whole.stdout
 
 
+def test_what_is_kept_when_asked_for_is_told_as_kept(somo: Somo, here: Path) -> None:
+    command = ("run", "scene.yaml", "--steps", "1", "--explain", "--keep-everything", "-q")
+    ended = somo(*command, cwd=here)
+    assert "kept      motor rows of joints: asked for, though no dry friction\n" in ended.stderr
+    told = json.loads((here / "scene.meta.json").read_text("utf-8"))["plan"]
+    assert {
+        "what": "motor rows of joints",
+        "kept": True,
+        "why": "asked for, though no dry friction",
+        "saves": None,
+    } in told
+
+
 def test_check_prints_the_plan(somo: Somo, here: Path) -> None:
     ended = somo("check", "press_scene.yaml", "--plan", cwd=here)
     assert (ended.returncode, ended.stderr) == (0, "")

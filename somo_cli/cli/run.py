@@ -93,7 +93,7 @@ def run(
         bool,
         typer.Option(
             "--keep-everything",
-            help="Load shapes and read state that no result needs. It changes no result.",
+            help="Load shapes, solve rows and read state that no result needs, to check that.",
         ),
     ] = False,
     sets: SetOption = None,

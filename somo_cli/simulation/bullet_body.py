@@ -22,6 +22,9 @@ from somo_cli.simulation.readback import EngineJoint, EngineLink, mismatches
 from somo_cli.simulation.springs import Array
 
 UNLIMITED_RATE = 1e12  # rad/s; the engine's own clamp of 100 hides divergence
+# engine units; seen in 3.2.7: any motor has its row whose force times the time step is not 0, and
+# one of this force changes no rate but one that is exactly 0, to less than 1e-290 or so
+IDLE_TORQUE = 1e-300
 
 
 class BulletBody:
@@ -255,7 +258,10 @@ class BulletBody:
         return [by_name[joint.name] for joint in self._body.chain.joints]
 
     def _release(self) -> None:
-        """Switch off what is in nobody's model: engine damping, rate clamp, joint motors."""
+        """Switch off what is in nobody's model: engine damping, rate clamp, joint motors.
+
+        Motors stay where the plan wants their rows, with a torque that does nothing.
+        """
         bullet, body, client = self._bullet, self.index, self._client
         for number, link in enumerate(self.links):
             bullet.changeDynamics(
@@ -272,13 +278,14 @@ class BulletBody:
             bullet.changeDynamics(body, link, **surface, physicsClientId=client)
         # every joint has a velocity motor by default; with zero force it is gone, with a force
         # it is dry friction of that torque
+        least = IDLE_TORQUE if self._body.has_idle_motors else 0.0
         for index, joint in zip(self._joints, self._body.chain.joints, strict=True):
             bullet.setJointMotorControl2(
                 body,
                 index,
                 bullet.VELOCITY_CONTROL,
                 targetVelocity=0,
-                force=joint.friction,
+                force=max(joint.friction, least),
                 physicsClientId=client,
             )
 

@@ -97,6 +97,11 @@ class MovedThing(BulletThing):
         self._velocity = (_over(way, time_step), _over(turn, time_step))
         self._bullet.resetBaseVelocity(self.index, *self._velocity, physicsClientId=self._client)
 
+    def rest(self) -> None:
+        """Have the frame stay where it is until it is moved."""
+        self._velocity = (geometry.ZERO, geometry.ZERO)
+        self._bullet.resetBaseVelocity(self.index, *self._velocity, physicsClientId=self._client)
+
     def reset(self, linear_velocity: Vector | None = None) -> None:
         """Put the object at its start; its velocity stays what it was told last."""
         super().reset(linear_velocity)

@@ -101,17 +101,7 @@ def _of_contact(plan: Plan) -> Iterator[Decision]:
 
 
 def _of_joints(plan: Plan) -> Iterator[Decision]:
-    joints = [joint for body in plan.bodies for joint in body.chain.joints]
-    rubbing = sum(joint.friction > 0 for joint in joints)
-    why = (
-        f"dry friction of {_count(rubbing, 'joint')}, one row each"
-        if rubbing
-        else "no dry friction"
-    )
-    spared = len(joints) - rubbing
-    # every joint has a motor by default, whose row asks the solver for all of its iterations
-    saves = f"{_count(spared, 'row')} in every step" if spared else None
-    yield Decision("motor rows of joints", rubbing > 0, why, saves)
+    yield _of_motors(plan)
     yield _of_limits(plan)
     angles = f"{SWIFT_REFRESH:g} rad, moving slowly {CALM_REFRESH:g} rad"
     why = f"renewed once joints have moved by {angles}, or less where it changes faster"
@@ -124,6 +114,25 @@ def _of_joints(plan: Plan) -> Iterator[Decision]:
     yield Decision("prescribed motion", moved, "motion is given" if moved else "no motion is given")
     is_loaded = any(body.loads for body in plan.bodies)
     yield Decision("external loads", is_loaded, "loads are given" if is_loaded else "no loads")
+
+
+def _of_motors(plan: Plan) -> Decision:
+    what = "motor rows of joints"
+    joints = [joint for body in plan.bodies for joint in body.chain.joints]
+    rubbing = sum(joint.friction > 0 for joint in joints)
+    idle = len(joints) - rubbing
+    why = (
+        f"dry friction of {_count(rubbing, 'joint')}, one row each"
+        if rubbing
+        else "no dry friction"
+    )
+    if idle and any(body.has_idle_motors for body in plan.bodies):
+        more = f"{why}, asked for of {idle} more" if rubbing else f"asked for, though {why}"
+        return Decision(what, True, more)
+    # every joint has a motor by default, whose row asks the solver for all of its iterations
+    return Decision(
+        what, rubbing > 0, why, f"{_count(idle, 'row')} in every step" if idle else None
+    )
 
 
 def _of_limits(plan: Plan) -> Decision:

@@ -73,6 +73,8 @@ class MovedRunner(Runner):
 
     def steady_until(self, time: float) -> float:
         """Return the time [s] up to which `actuate` changes nothing after `time`."""
+        if self._before.any() or self._after.any():
+            return time  # a base that is to rest from now on has come to rest one step later
         return min(super().steady_until(time), self._path.held_until(time, self._step))
 
     def begin(self, force: Array, rates: Array) -> None:

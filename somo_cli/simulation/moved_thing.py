@@ -33,6 +33,7 @@ class ThingMover:
         self._time = -1.0
         self._goal = path.at(0.0)
         self._velocity: Array = np.zeros(6)
+        self._steps_at_rest = 0  # that were told, in a row
         self._allowance = Allowance(plan, planned.thing.chain)
         self._given = 0.0
 
@@ -43,10 +44,18 @@ class ThingMover:
             velocity = self._between(self._goal, goal)
             self._allowance.advance(self._velocity, velocity)
             self._time, self._goal, self._velocity = time, goal, velocity
-        self._thing.move_to(self._goal, self._step)
+            self._steps_at_rest = 0 if velocity.any() else self._steps_at_rest + 1
+        # the first step at rest makes good what the last move missed; told so anew, an object at
+        # rest would be moved by rounding, wherever a row happens to fall
+        if self._steps_at_rest < 2:
+            self._thing.move_to(self._goal, self._step)
+        elif self._steps_at_rest == 2:
+            self._thing.rest()
 
     def steady_until(self, time: float) -> float:
         """Return the time [s] up to which `actuate` changes nothing after `time`."""
+        if self._steps_at_rest < 2:
+            return time
         return self._path.held_until(time, self._step)
 
     def given(self) -> float:

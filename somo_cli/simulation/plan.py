@@ -103,6 +103,8 @@ class Body:
     """Where the base is at every time, if it is moved."""
     has_engine_limits: bool = True
     """Whether the engine knows the limits of joints, as the law always does."""
+    has_idle_motors: bool = False
+    """Whether joints without dry friction have a row of the solver as well, of no effect."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,7 +141,7 @@ class Plan:
     ends_in_row: bool = False
     """Whether the last step is recorded wherever it falls; so where a stop may end the run."""
     keeps_everything: bool = False
-    """Whether shapes are loaded and state is read that no result needs."""
+    """Whether shapes are loaded, rows are solved and state is read that no result needs."""
 
     @property
     def surfaces(self) -> tuple[Surface, ...]:
@@ -151,7 +153,8 @@ class Plan:
 def make_plan(scene: Scene, keeps_everything: bool = False) -> Plan:
     """Return the plan of a scene; the only place where SI becomes engine units.
 
-    With `keeps_everything` shapes are loaded and state is read that no result needs.
+    With `keeps_everything` shapes are loaded, rows are solved and state is read that no result
+    needs.
     """
     acceleration = scene.scale.factor(Dimension(length=1, time=-2))
     can_touch = (
@@ -176,6 +179,7 @@ def make_plan(scene: Scene, keeps_everything: bool = False) -> Plan:
                 or keeps_everything
                 or scene.integrator == "explicit"
                 or one.base != "static",
+                keeps_everything,
             )
             for one in scene.manipulators
         ),
@@ -200,6 +204,7 @@ def _body(
     with_collisions: bool,
     with_visuals: bool,
     with_limits: bool,
+    with_motors: bool,
 ) -> Body:
     chain = scaled(manipulator.compiled.chain, scale)
     start = Start(
@@ -223,6 +228,7 @@ def _body(
         collides_with_itself=manipulator.collides_with_itself,
         path=_path(manipulator.motion, start.pose, scale),
         has_engine_limits=with_limits,
+        has_idle_motors=with_motors,
     )
 
 

@@ -84,6 +84,9 @@ class WorldMovedThing(WorldThing, Protocol):
     def move_to(self, goal: Pose, time_step: float) -> None:
         """Have the frame at this pose after the next step."""
 
+    def rest(self) -> None:
+        """Have the frame stay where it is until it is moved."""
+
 
 class World(Protocol):
     """What a run needs of an engine."""

@@ -47,22 +47,8 @@ def feeling(world: BulletWorld) -> None:
             )
 
 
-def idle(world: BulletWorld) -> None:
-    """Give every joint motor a force that does nothing, where the product gives none."""
-    for body in world.bodies:
-        for link in body.links[1:]:
-            world._bullet.setJointMotorControl2(
-                body.index,
-                link,
-                world._bullet.VELOCITY_CONTROL,
-                force=1e-300,
-                physicsClientId=world._client,
-            )
-
-
 HAND: Mapping[str, Setting] = {
     "reaction forces of joints": feeling,
-    "joint motors of no account": idle,
     "solver islands of 1024 bodies": told(minimumSolverIslandSize=1024),
     "contact breaking threshold / 10": told(contactBreakingThreshold=0.002),
     "friction without a cone": told(enableConeFriction=0),
@@ -81,6 +67,12 @@ def with_limits(plan: Plan) -> Plan:
         )
         for body in plan.bodies
     )
+    return dataclasses.replace(plan, bodies=tuple(bodies))
+
+
+def with_motors(plan: Plan) -> Plan:
+    """Return the plan with motors that do nothing, as a run that keeps everything has them."""
+    bodies = (dataclasses.replace(body, has_idle_motors=True) for body in plan.bodies)
     return dataclasses.replace(plan, bodies=tuple(bodies))
 
 
@@ -136,11 +128,12 @@ def main() -> None:
         ),
         "joint limits in the engine": swinging(with_limits(finger), told()),
         "reaction forces of joints": swinging(finger, feeling),
-        "joint motors of no account": swinging(finger, idle),
+        "joint motors of no account": swinging(with_motors(finger), told()),
     }
     compare(f"finger of {JOINTS} joints", swinging(finger, told()), cases, rounds)
     plan = hand.plan_of_hand()
     hands = {name: grasping(plan, setting) for name, setting in HAND.items()}
+    hands["joint motors of no account"] = grasping(with_motors(plan), told())
     compare("hand and cube", grasping(plan, told()), hands, rounds)
 
 

@@ -21,6 +21,7 @@ from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import EngineMissing, EngineRefused
 from somo_cli.simulation import bullet_contact
 from somo_cli.simulation.bullet import BulletBody, BulletWorld
+from somo_cli.simulation.bullet_body import IDLE_TORQUE
 from somo_cli.simulation.plan import Plan, make_plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.manipulator.bodies import EVERYTHING, X, Y, actuator, bent, hinge, manipulator
@@ -470,6 +471,44 @@ def test_joint_limits_hold() -> None:
     angles = np.array(rows_of(plan, 500))[:, 1:]
     assert angles.max() < 0.105
     assert angles[-1] == pytest.approx([0.1, 0.1], abs=1e-3)
+
+
+@pytest.mark.parametrize("integrator", ["implicit", "euler", "explicit"])
+def test_a_plan_that_keeps_everything_has_every_row(integrator: str) -> None:
+    scene = scene_from_file("scene.yaml", "gravity=[0, 0, 0]", f"integrator={integrator}")
+    for is_whole in (False, True):
+        plan = make_plan(scene, is_whole)
+        joints = plan.bodies[0].chain.joints
+        with BulletWorld(plan) as world:
+            body = world.bodies[0]
+            body.reset([0.0] * len(joints), [1.0] * len(joints))
+            world.step()
+            motors = {abs(state[3]) for state in body.joint_states()}
+            pushed = []
+            for index, joint in enumerate(joints):
+                for beyond in (joint.lower - 0.01, joint.upper + 0.01):
+                    angles = [0.0] * len(joints)
+                    angles[index] = beyond
+                    body.reset(angles, [0.0] * len(joints))
+                    world.step()
+                    pushed.append(rates_of(body)[index] * beyond < 0)
+        assert motors == {IDLE_TORQUE if is_whole else 0.0}
+        assert set(pushed) == {is_whole or integrator == "explicit"}
+
+
+def test_motors_that_are_idle_leave_dry_friction_alone() -> None:
+    rubbing = {**X, "joint_control_limit_force": 0.01}
+    scene = scene_from_text(
+        json.dumps({"manipulators": [{"definition": manipulator(actuator(2, rubbing, X))}]})
+    )
+    told = []
+    for is_whole in (False, True):
+        with BulletWorld(make_plan(scene, is_whole)) as world:
+            body = world.bodies[0]
+            body.reset([0.0, 0.0], [100.0, 100.0])
+            world.step()
+            told.append([abs(state[3]) for state in body.joint_states()])
+    assert told == [[pytest.approx(0.01), 0.0], [pytest.approx(0.01), IDLE_TORQUE]]
 
 
 @pytest.mark.parametrize(("mass", "is_refused"), [(1e-12, False), (1e-13, True)])

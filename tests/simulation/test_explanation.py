@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import json
 
+import numpy as np
 import pytest
 
 from somo_cli.manipulator import urdf
 from somo_cli.simulation.explanation import Decision, explain, plain
 from somo_cli.simulation.plan import Plan, make_plan
 from tests.loading import DEFINITIONS, rows_of, scene_from_file, scene_from_text
-from tests.manipulator.bodies import X, actuator, manipulator
+from tests.manipulator.bodies import Data, X, Y, actuator, manipulator
 
 ALONE = {"manipulators": [{"definition": manipulator(actuator(2, X))}]}
 CUBE = {"name": "cube", "shape_type": "box", "dimensions": [0.1, 0.1, 0.1], "mass": 1}
@@ -94,6 +96,29 @@ def test_nothing_is_saved_where_all_is_needed() -> None:
     }
 
 
+def test_motor_rows_are_kept_where_asked_for() -> None:
+    what = "motor rows of joints"
+    rubbing = X | {"joint_control_limit_force": 0.01}
+
+    def told(*joints: Data) -> list[Decision]:
+        data = {"manipulators": [{"definition": manipulator(actuator(2, *joints))}]}
+        scene = scene_from_text(json.dumps(data))
+        plans = (make_plan(scene, is_whole) for is_whole in (False, True))
+        return [one for plan in plans for one in explain(plan) if one.what == what]
+
+    assert told(X) == [
+        Decision(what, False, "no dry friction", "2 rows in every step"),
+        Decision(what, True, "asked for, though no dry friction"),
+    ]
+    of_one = "dry friction of 1 joint, one row each"
+    assert told(X, rubbing) == [
+        Decision(what, True, of_one, "1 row in every step"),
+        Decision(what, True, f"{of_one}, asked for of 1 more"),
+    ]
+    of_all = "dry friction of 2 joints, one row each"
+    assert told(rubbing) == [Decision(what, True, of_all)] * 2
+
+
 def test_pairs_that_are_spared_are_counted() -> None:
     one = {"definition": manipulator(actuator(4, X))}
     two = {**one, "name": "a", "self_collision": True}, {**one, "name": "b", "position": [9, 0, 0]}
@@ -122,8 +147,18 @@ def plan_of(name: str, keeps_everything: bool) -> Plan:
     return make_plan(dataclasses.replace(scene_from_file(name), every=3), keeps_everything)
 
 
+def without_motors(plan: Plan) -> Plan:
+    bodies = (dataclasses.replace(body, has_idle_motors=False) for body in plan.bodies)
+    return dataclasses.replace(plan, bodies=tuple(bodies))
+
+
+def bits(plan: Plan, steps: int) -> list[list[str]]:
+    return [[value.hex() for value in row] for row in rows_of(plan, steps)]
+
+
 @pytest.mark.parametrize("name", SCENES)
 def test_leaving_out_changes_no_byte(name: str) -> None:
+    """Without motor rows and with them: what is left out in pairs cannot make up for itself."""
     pytest.importorskip("pybullet")
     steps = 20 if name == "crawler_scene.yaml" else 60
     lean, whole = plan_of(name, False), plan_of(name, True)
@@ -131,4 +166,51 @@ def test_leaving_out_changes_no_byte(name: str) -> None:
     assert "<collision>" in whole.bodies[0].urdf
     assert ("<collision>" in lean.bodies[0].urdf) is lean.can_touch
     assert all("<visual>" in thing.urdf for thing in whole.things if thing.urdf)
-    assert rows_of(lean, steps) == rows_of(whole, steps)
+    assert all(body.has_idle_motors and body.has_engine_limits for body in whole.bodies)
+    least = bits(lean, steps)
+    assert bits(without_motors(whole), steps) == least
+    assert bits(whole, steps) == least
+
+
+def test_a_motor_row_moves_what_is_exactly_at_rest_and_next_to_nothing() -> None:
+    """A straight body in free fall: its joints feel rounding, which now and then is nothing."""
+    pytest.importorskip("pybullet")
+    one = {"definition": manipulator(actuator(6, X)), "base": "free"}
+    data = {
+        "manipulators": [one],
+        "gravity": [0, 9.81, 0],
+        "integrator": "euler",
+        "record": {"columns": ["joint_angles", "joint_rates"]},
+    }
+    scene = scene_from_text(json.dumps(data))
+    lean, whole = (rows_of(make_plan(scene, is_whole), 150) for is_whole in (False, True))
+    pairs = zip(itertools.chain(*lean), itertools.chain(*whole), strict=True)
+    moved = [(least, most) for least, most in pairs if least != most]
+    assert moved
+    assert {least for least, _ in moved} == {0.0}
+    assert max(abs(most) for _, most in moved) < 1e-290
+
+
+@pytest.mark.parametrize("integrator", ["implicit", "euler"])
+def test_limits_in_the_engine_change_a_blow_by_less_than_the_step_does(integrator: str) -> None:
+    """The law lets a joint that strikes beyond its limit by a little; the engine pushes it back."""
+    pytest.importorskip("pybullet")
+    x, y = (joint | {"limits": [-0.2, 0.2, 10, 20], "spring_stiffness": 0.02} for joint in (X, Y))
+    one = {"definition": manipulator(actuator(6, x, y), world_scale=20)}
+
+    def angles(step: float, is_whole: bool) -> np.ndarray:
+        data = {
+            "manipulators": [one],
+            "gravity": [30, 50, 0],
+            "integrator": integrator,
+            "time_step": step,
+            "record": {"every": round(4e-3 / step), "columns": ["joint_angles"]},
+        }
+        plan = make_plan(scene_from_text(json.dumps(data)), is_whole)
+        return np.array(rows_of(plan, round(0.4 / step)))[:, 1:]
+
+    lean, whole, halved = angles(4e-3, False), angles(4e-3, True), angles(2e-3, False)
+    assert 0 < lean.max() - 0.2 < 1e-4
+    difference = np.abs(whole - lean).max()
+    assert 0 < difference < 1e-4
+    assert difference < 0.01 * np.abs(halved - lean).max()

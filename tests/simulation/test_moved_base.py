@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 from typing import Any
@@ -115,6 +116,23 @@ def test_a_base_that_is_not_led_anywhere_is_one_that_is_held() -> None:
     for one in (data, {**data, "motion": {"translation": [[0, 0, 0, 0]]}}):
         rows.append(rows_of(scene_from_text(json.dumps({"manipulators": [one]})), 200))
     assert np.array(rows[1]) == pytest.approx(np.array(rows[0]), abs=1e-5)
+
+
+@pytest.mark.parametrize("integrator", ["implicit", "euler", "explicit"])
+@pytest.mark.parametrize("end", [0.016, 0.0173, 0.021])
+def test_where_rows_fall_changes_nothing_when_the_base_comes_to_rest(
+    integrator: str, end: float
+) -> None:
+    step = 1e-4 if integrator == "explicit" else 1e-3
+    motion = {"translation": [[0, 0, 0, 0], [end, 0.002, 0, 0]], "interpolation": "linear"}
+    scene = finger(motion, step, integrator)
+
+    def rows(every: int) -> list[list[float]]:
+        return rows_of(dataclasses.replace(scene, every=every), round(0.042 / step))
+
+    every_step = rows(1)
+    for every in (2, 7, round(0.042 / step)):
+        assert rows(every) == every_step[::every]
 
 
 def test_a_carousel_bends_a_hinge_as_far_as_theory_says() -> None:

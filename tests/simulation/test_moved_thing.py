@@ -21,8 +21,13 @@ G = 9.81  # m/s²
 PARTS = ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")
 
 
-def carried(motion: Data, step: float, time: float, **of_plate: Any) -> dict[str, np.ndarray]:
-    """Return the poses, (rows, 7), of a plate that is moved and of a cube of 10 g on it."""
+def carried(
+    motion: Data, step: float, time: float, every: int | None = None, **of_plate: Any
+) -> dict[str, np.ndarray]:
+    """Return the poses, (rows, 7), of a plate that is moved and of a cube of 10 g on it.
+
+    There is a row every 0.02 s, or every so many steps.
+    """
     plate = {
         "name": "plate",
         "shape_type": "box",
@@ -45,7 +50,7 @@ def carried(motion: Data, step: float, time: float, **of_plate: Any) -> dict[str
         "time_step": step,
         "manipulators": [one],
         "objects": [cube, plate],
-        "record": {"every": round(0.02 / step), "columns": []},
+        "record": {"every": every or round(0.02 / step), "columns": []},
     }
     plan = make_plan(scene_from_text(json.dumps(data)))
     rows = np.array(rows_of(plan, round(time / step)))
@@ -67,6 +72,16 @@ def test_it_is_where_its_path_says_and_what_lies_on_it_rides_along(step: float) 
     assert found["plate"][:, :3] == pytest.approx(expected, abs=1e-12)
     apart = found["cube"][:, :3] - found["plate"][:, :3]
     assert apart == pytest.approx(np.tile([0.05, 0, 0.03], (len(apart), 1)), abs=1e-6)
+
+
+@pytest.mark.parametrize("end", [0.016, 0.0173, 0.021])
+def test_where_rows_fall_changes_nothing_when_it_comes_to_rest(end: float) -> None:
+    motion = {"rotation": [[0, 0, 0, 0], [end, 0.1, 0.01, 0.03]], "about": [0.1, 0, 0]}
+    every_step = carried(motion, 1e-3, 0.042, 1)
+    for every in (2, 7, 42):
+        found = carried(motion, 1e-3, 0.042, every)
+        for name, poses in found.items():
+            np.testing.assert_array_equal(poses, every_step[name][::every])
 
 
 def test_what_lies_on_a_turning_plate_turns_with_it() -> None:
