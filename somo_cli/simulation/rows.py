@@ -52,6 +52,7 @@ class Rows:
             if (of_one := [one for one in of_things if one.thing == index])
         ]
         self._parts: list[BodyRows | ThingRows] = [*self._bodies, *self._things]
+        self._completed = [part for part in self._parts if part.has_velocities]
         self._width = len(columns.header(plan))
         self._most = max(1, min(ROWS, NUMBERS // self._width))
         kinds = {group.quantity for group in groups} | {group.reading for group in of_things}
@@ -87,9 +88,10 @@ class Rows:
         self._steps.append(step)
 
     def complete(self) -> None:
-        """Take, a step later, the velocities of the row that was taken last."""
-        for part in self._parts:
-            part.complete()
+        """Have the row that was taken last be whole, with velocities of a step later if needed."""
+        if self.needs_next_step:
+            for part in self._completed:
+                part.complete()
         self._complete += 1
 
     def release(self) -> None:
@@ -97,7 +99,7 @@ class Rows:
 
         Raises SimulationDiverged for the first that the watch refuses; those before it are written.
         """
-        steps = self._steps[: self._complete] if self.needs_next_step else self._steps
+        steps = self._steps[: self._complete]
         rows = len(steps)
         pasts = [body.past(rows) for body in self._bodies]
         sound = self._watch.sound(pasts)

@@ -114,7 +114,7 @@ def run(
                 world.step()
                 for runner in runners:
                     runner.pull()
-                recorded.complete()
+            recorded.complete()
     except BaseException:
         with suppress(OSError):  # a full disk is not to hide what ended the run
             recorded.release()
@@ -173,13 +173,12 @@ def _go(
     pulls = [runner.pull for runner in runners]
     counts = [runner.count_step for runner in runners]
     is_steady = _is_steady(plan, driven, first, until)
-    completes = recorded.needs_next_step
+    row = first + -first % every  # the next step with a row
     pushes = _pushes(runners, first)
     for step in range(first, until):
         if not is_steady and step > first:
             _actuate(plan, driven, step)
-        is_row = step % every == 0
-        if is_row:
+        if step == row:
             recorded.take(step)
         for push in pushes:
             push()
@@ -188,8 +187,9 @@ def _go(
         advance()
         for pull in pulls:
             pull()
-        if is_row and completes:
+        if step == row:
             recorded.complete()
+            row += every
         if not is_steady:
             for count in counts:
                 count()

@@ -71,6 +71,7 @@ class Runner:
         self._acting: Array = self.law.actuation  # whose work on the joints is counted
         self._worked_at: Array = np.array(body.start.angles)  # when that was done last
         self._power = 0.0  # summed over the steps since then
+        self._rates = self.law.rates
         self._is_heavy = False  # whether gravity alone would be too fast for the step
         self._gravity = plan.gravity
         self._freshness = 1.0  # times the angles above, where the inertia changes fast
@@ -235,7 +236,7 @@ class Runner:
 
     def count_step(self) -> None:
         """Count the work of the last step, over which the joints moved by their rates."""
-        self._power += self._acting.dot(self.law.rates)
+        self._power += self._acting.dot(self._rates)
 
     def count_work(self, is_steady: bool) -> None:
         """Tell the energy of work done since the last call.

@@ -38,6 +38,7 @@ class BodyRows:
         self, plan: Plan, number: int, runner: Runner, groups: Sequence[Group], units: Units
     ) -> None:
         self._runner = runner
+        self._law = runner.law
         self._gravity = plan.gravity
         self._number, self._others = number, others_of(plan, number)
         self._units = units
@@ -48,7 +49,8 @@ class BodyRows:
         self._has_base = can_move and is_base_told
         self._base = runner.world_body.base_pose() if is_base_told else Pose()
         self._has_velocity = can_move and "energy" in kinds
-        self._has_rates = not RATES.isdisjoint(kinds)
+        self.has_velocities = not RATES.isdisjoint(kinds)
+        """Whether any column needs those of the instant."""
         self._has_actuation = "actuation" in kinds
         self._poses = ChainPoses(runner.body.chain)
         self._groups = groups
@@ -80,10 +82,9 @@ class BodyRows:
 
     def complete(self) -> None:
         """Take the velocities half a step after the state that was taken last."""
-        if self._has_rates:
-            self._rates_after.append(self._runner.law.rates.copy())
-            if self._has_velocity:
-                self._velocities_after.append(self._runner.world_body.base_velocity())
+        self._rates_after.append(self._law.rates.copy())
+        if self._has_velocity:
+            self._velocities_after.append(self._runner.world_body.base_velocity())
 
     def past(self, rows: int) -> Past:
         """Return the first so many states, for the watch."""
@@ -131,7 +132,8 @@ class ThingRows:
         self._others = others_of(plan, self._number)
         kinds = {group.reading for group in groups}
         self._has_pose = not _PLACED.isdisjoint(kinds)
-        self._has_velocity = "velocity" in kinds
+        self.has_velocities = "velocity" in kinds
+        """Whether any column needs those of the instant."""
         self._turns = TurnCounter(thing.pose().rotation) if "angles" in kinds else None
         self._groups = groups
         self.clear()
@@ -155,13 +157,12 @@ class ThingRows:
             self._poses.append(pose)
             if self._turns is not None:
                 self._turned.append(self._turns.at(pose.rotation))
-        if self._has_velocity:
+        if self.has_velocities:
             self._velocities.append(self._thing.velocity())
 
     def complete(self) -> None:
         """Take the velocities half a step after the state that was taken last."""
-        if self._has_velocity:
-            self._velocities_after.append(self._thing.velocity())
+        self._velocities_after.append(self._thing.velocity())
 
     def fill(self, table: Array, touches: Sequence[Sequence[Touch]]) -> None:
         """Write the columns, shape (columns, rows), for as many rows as the table has."""
