@@ -83,7 +83,9 @@ class Runner:
         self._pushes = {1: self._push_swiftly, STEPS_BETWEEN_LOOKS: self._push_held}
         self._pushes |= {steps: self._push_in_turns for steps in HOLDS[1:]}
         self._stop = partial(self._stops.torques, plan.time_step, self.law.angles, self.law.rates)
-        self._drives = [(drive.signal.at, _as_slice(drive.joints)) for drive in body.drives]
+        self._drives = [
+            (drive.signal.at, _setter(self.actuation, drive.joints)) for drive in body.drives
+        ]
         self._dynamics: ChainDynamics | None = None
         self.pull = self._make_pull()
 
@@ -95,9 +97,8 @@ class Runner:
 
     def actuate(self, time: float) -> None:
         """Set the actuation torques of a time [s], and the loads at the present pose."""
-        actuation = self.actuation
-        for at, joints in self._drives:
-            actuation[joints] = at(time)
+        for at, put in self._drives:
+            put(at(time))
         if self.loads is not None:
             self._carry(self.loads.force(time, self.law.angles))
 
@@ -107,10 +108,12 @@ class Runner:
 
     def steady_until(self, time: float) -> float:
         """Return the time [s] up to which `actuate` changes nothing after `time`."""
-        changes = [drive.signal.steady_until(time) for drive in self.body.drives]
-        if self.loads is not None:
-            changes.append(self.loads.steady_until(time))
-        return min(changes, default=math.inf)
+        until = math.inf if self.loads is None else self.loads.steady_until(time)
+        for drive in self.body.drives:
+            if until <= time:  # no other can be steady for less
+                return until
+            until = min(until, drive.signal.steady_until(time))
+        return until
 
     def apply(self, torques: Sequence[float]) -> None:
         """Apply torques of the law to the world, and what it takes for the loads to be whole."""
@@ -296,9 +299,11 @@ class Runner:
         self.pull()
 
 
-def _as_slice(joints: tuple[int, ...]) -> slice | list[int]:
-    """Return evenly spaced indices as a slice, which numpy writes to much faster than to a list."""
+def _setter(values: Array, joints: tuple[int, ...]) -> Callable[[float], None]:
+    """Return the function that gives some of the values, those of these joints, one number."""
     steps = {after - before for before, after in itertools.pairwise(joints)}
     if len(steps) > 1:
-        return list(joints)
-    return slice(joints[0], joints[-1] + 1, steps.pop() if steps else 1)
+        return partial(values.__setitem__, np.array(joints))
+    # evenly spaced ones are a view, which is filled in half of the time
+    view: Array = values[joints[0] : joints[-1] + 1 : steps.pop() if steps else 1]
+    return view.fill

@@ -138,7 +138,9 @@ class SpringLaw:
         self._implicit: Array = self._centred
         self._at_rest: Array = springs.stiffness * springs.neutral
         self._torques: Array = np.zeros(n)
-        self._half_step: Array = np.full(n, 0.5 * time_step)  # numpy is slower with one number
+        # as arrays, which numpy multiplies by in half of the time that it takes to read a number
+        self._step: Array = np.array(time_step)
+        self._half_step: Array = np.array(0.5 * time_step)
         self._step_share = 1.0  # of a held correction's growth
         self._lay_down()
 
@@ -181,12 +183,12 @@ class SpringLaw:
         if self._mass is not None:
             # f, measured with the old matrix, shall not jump
             change = self.rates - self._previous_rates
-            self._previous_torques += (mass - self._mass).dot(change) / self.time_step
+            self._previous_torques += (mass - self._mass).dot(change) / self._step
         self._mass = mass
         if is_far:
             damping, self._implicit = self.implicit_parts(mass)
             np.negative(damping, self._own_by_rates)
-        np.divide(mass, self.time_step, self._force_by_rates)
+        np.divide(mass, self._step, self._force_by_rates)
         np.negative(self._force_by_rates, self._force_by_previous)
         self._response = np.asarray(np.linalg.inv(mass + self._implicit), dtype=np.float64)
         self._is_laid_out = False
