@@ -82,6 +82,7 @@ bench: sync ## measure speed, start-up, error against run time, stability, physi
 	$(RUN) tests.bench.recording
 	$(RUN) tests.bench.rendering
 	$(RUN) tests.bench.hand
+	$(RUN) tests.bench.stacking
 	$(RUN) tests.bench.accuracy
 	$(RUN) tests.bench.stability
 	$(RUN) tests.bench.physics

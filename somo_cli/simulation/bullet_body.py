@@ -5,6 +5,7 @@ The engine's module is handed in by `bullet`, which alone imports it.
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
@@ -47,7 +48,8 @@ class BulletBody:
             physicsClientId=client,
         )
         self._joints = self._joint_indices()
-        self._zeros = [0.0] * len(self._joints)
+        self._freedoms = len(self._joints) + (0 if body.base == "static" else 6)
+        self._pack = struct.Struct(f"{self._freedoms}d").pack  # numpy takes longer to read tuples
         self._is_free = body.base == "free"
         self._base_to_joints: Array = np.zeros((len(self._joints), 6))
         self._across: Array = self._base_to_joints.T
@@ -57,6 +59,7 @@ class BulletBody:
             bullet.getJointStates, self.index, self._joints, client
         )
         self.apply = self._make_apply()
+        self._inverse_dynamics = self._make_inverse_dynamics()
         self._read_back()
         self._release()
         if body.collides_with_itself:
@@ -78,6 +81,18 @@ class BulletBody:
 
         return apply
 
+    def _make_inverse_dynamics(self) -> Callable[[Sequence[float], Sequence[float]], Array]:
+        """Return the engine's function of positions and rates, those of a base that moves first."""
+        index, client = self.index, self._client
+        inverse, read, pack = self._bullet.calculateInverseDynamics, np.frombuffer, self._pack
+        rest = [0.0] * self._freedoms
+
+        def inverse_dynamics(positions: Sequence[float], rates: Sequence[float]) -> Array:
+            # seen in 3.2.7: names cost a fifth of a call that short; the zero is for its flags
+            return read(pack(*inverse(index, positions, rates, rest, 0, client)))
+
+        return inverse_dynamics
+
     @property
     def links(self) -> tuple[int, ...]:
         """The engine's numbers of the links, base to tip."""
@@ -91,8 +106,8 @@ class BulletBody:
         """
         # the base's rows, if it can move, come first: angular, then linear, in its own frame
         try:
-            matrix = np.array(
-                self._bullet.calculateMassMatrix(self.index, angles, physicsClientId=self._client)
+            rows = self._bullet.calculateMassMatrix(
+                self.index, angles, physicsClientId=self._client
             )
         except (SystemError, self._bullet.error) as error:
             # seen in 3.2.7: it takes rounding of more than 1e-15 for an inertia that is not
@@ -103,14 +118,16 @@ class BulletBody:
                 "world_scale changes no result, so choose a smaller one, such as "
                 "world_scale: {length: 20, mass: 0.001}",
             ) from error
-        n = len(self._joints)
-        if len(matrix) == n:
+        pack, size = self._pack, len(rows)
+        matrix: Array = np.frombuffer(b"".join([pack(*row) for row in rows])).reshape(size, size)
+        if size == len(self._joints):
             return matrix
-        base, across, joints = matrix[:6, :6], matrix[:6, 6:], matrix[6:, 6:]
+        # products with an array of its own take a third of those with a part of another
+        base, across, joints = matrix[:6, :6], matrix[:6, 6:], matrix[6:, 6:].copy()
         self._across = across
         if not self._is_free:
             return joints
-        self._base_to_joints = np.linalg.solve(base, across).T
+        self._base_to_joints = np.asarray(np.linalg.solve(base, across).T)
         reduced: Array = joints - self._base_to_joints @ across
         return (reduced + reduced.T) / 2
 
@@ -136,23 +153,14 @@ class BulletBody:
     def _bias(
         self, angles: Sequence[float], rates: Sequence[float], spin: Sequence[float]
     ) -> Array:
-        inverse = self._bullet.calculateInverseDynamics
         if self._body.base == "static":
-            return np.array(
-                inverse(self.index, angles, rates, self._zeros, physicsClientId=self._client)
-            )
+            return self._inverse_dynamics(angles, rates)
         # seen in 3.2.7: base rates go in as (angular, linear) in the base's own axes, base forces
         # come out as (linear, angular); linear rates change nothing here
         in_world = geometry.vector(spin) if len(spin) else geometry.ZERO
         x, y, z = geometry.rotate(geometry.transposed(self._base_axes()), in_world)
-        forces = np.array(
-            inverse(
-                self.index,
-                [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, *angles],
-                [x, y, z, 0.0, 0.0, 0.0, *rates],
-                [0.0] * 6 + self._zeros,
-                physicsClientId=self._client,
-            )
+        forces = self._inverse_dynamics(
+            [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, *angles], [x, y, z, 0.0, 0.0, 0.0, *rates]
         )
         if not self._is_free:
             return forces[6:]

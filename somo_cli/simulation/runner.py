@@ -63,6 +63,8 @@ class Runner:
         self.mass_at_start: Array = self.mass
         self.fastest = 0.0  # rad/s
         self._mass_angles: Array = np.zeros(0)
+        self._moved_since = 0.0  # rad since then, as the root of the sum of squares over the joints
+        self._room_then = math.nan  # rad; to the nearest limit, once somebody has asked
         self._parts_angles: Array = np.full(len(joints), math.inf)
         self._push_held = self._make_push_held()
         is_explicit = plan.integrator == "explicit"
@@ -85,7 +87,9 @@ class Runner:
         self._pushes = {1: self._push_swiftly, STEPS_BETWEEN_LOOKS: self._push_held}
         self._pushes |= {steps: self._push_in_turns for steps in HOLDS[1:]}
         self._stop = partial(self._stops.torques, plan.time_step, self.law.angles, self.law.rates)
-        self._drives = [(drive.signal.at, _as_slice(drive.joints)) for drive in body.drives]
+        self._drives = [
+            (drive.signal.at, _setter(self.actuation, drive.joints)) for drive in body.drives
+        ]
         self._dynamics: ChainDynamics | None = None
         self.pull = self._make_pull()
 
@@ -97,9 +101,8 @@ class Runner:
 
     def actuate(self, time: float) -> None:
         """Set the actuation torques of a time [s], and the loads at the present pose."""
-        actuation = self.actuation
-        for at, joints in self._drives:
-            actuation[joints] = at(time)
+        for at, put in self._drives:
+            put(at(time))
         if self.loads is not None:
             self._carry(self.loads.force(time, self.law.angles))
 
@@ -109,10 +112,12 @@ class Runner:
 
     def steady_until(self, time: float) -> float:
         """Return the time [s] up to which `actuate` changes nothing after `time`."""
-        changes = [drive.signal.steady_until(time) for drive in self.body.drives]
-        if self.loads is not None:
-            changes.append(self.loads.steady_until(time))
-        return min(changes, default=math.inf)
+        until = math.inf if self.loads is None else self.loads.steady_until(time)
+        for drive in self.body.drives:
+            if until <= time:  # no other can be steady for less
+                return until
+            until = min(until, drive.signal.steady_until(time))
+        return until
 
     def apply(self, torques: Sequence[float]) -> None:
         """Apply torques of the law to the world, and what it takes for the loads to be whole."""
@@ -138,18 +143,19 @@ class Runner:
         if law.integrator == "explicit":
             self.push()
             return
-        room = self._stops.room(law.angles)
-        reach = SWIFT_BLOCKS * STEPS_BETWEEN_LOOKS * law.time_step * self.fastest
-        law.stop = self._stop if room < SWIFT_ROOM + reach else None
+        reach = SWIFT_ROOM + SWIFT_BLOCKS * STEPS_BETWEEN_LOOKS * law.time_step * self.fastest
+        room = self._room(reach)
+        law.stop = self._stop if room < reach else None
         self._push_corrected()
         assert law.bias is not None
         last = self._looked_at
         self._looked_at = self._corrected = law.correction, law.bias
         held = 1
         if last is not None and room > CALM_ROOM:
-            held = self._steps_to_hold(law.correction - last[0])
+            growth = law.correction - last[0]
+            held = self._steps_to_hold(growth)
             if held > 1:
-                self._hold_from(last, STEPS_BETWEEN_LOOKS)
+                law.hold(last[1] - law.bias, growth, STEPS_BETWEEN_LOOKS)
         self._held_steps = self._steps_left = held
         self.push = self._pushes[held]
         is_calm = held == STEPS_BETWEEN_LOOKS
@@ -162,7 +168,10 @@ class Runner:
             return 1
         phase, turn = step * self._slowest_mode, step * self.fastest / self._freshness
         block = STEPS_BETWEEN_LOOKS**2  # what a constant force does in one, over the step squared
-        pull = block * float(np.abs(change / self.mass.diagonal()).max())  # rad/s²
+        by_joint = change / self.mass.diagonal()
+        pull = block * math.sqrt(by_joint.dot(by_joint))  # rad/s²; that of one joint is no more
+        if pull > self._calm_change:
+            pull = block * float(np.abs(by_joint).max())
         for steps in self._holds:
             share = steps / STEPS_BETWEEN_LOOKS
             is_calm = steps * phase <= CALM_PHASE and share * turn <= CALM_ANGLE
@@ -170,11 +179,13 @@ class Runner:
                 return steps
         return 1
 
-    def _hold_from(self, before: tuple[Array, Array], steps: int) -> None:
-        """Carry the correction on as it and the bias have changed in so many steps."""
-        law = self.law
-        assert law.bias is not None
-        law.hold((before[1] - law.bias) / steps, (law.correction - before[0]) / steps)
+    def _room(self, enough: float) -> float:
+        """Return how far the joint nearest to a limit is from it [rad], or what is `enough`."""
+        if math.isnan(self._room_then):
+            self._room_then = self._stops.room(self._mass_angles)
+        # no joint has moved farther than all together
+        room = self._room_then - self._moved_since
+        return room if room >= enough else self._stops.room(self.law.angles)
 
     def _make_push_held(self) -> Callable[[], None]:
         """Return the function that applies torques with the correction held, its names bound."""
@@ -192,11 +203,11 @@ class Runner:
             self._push_held()
             return
         self.refresh_if_moved()
-        before, self._steps_left = self._corrected, self._held_steps
+        law, (correction, bias), steps = self.law, self._corrected, self._held_steps
         self._push_corrected()
-        assert self.law.bias is not None
-        self._hold_from(before, self._held_steps)
-        self._corrected = self.law.correction, self.law.bias
+        assert law.bias is not None
+        law.hold(bias - law.bias, law.correction - correction, steps)
+        self._corrected, self._steps_left = (law.correction, law.bias), steps
 
     def _push_swiftly(self) -> None:
         self.refresh_if_moved()
@@ -210,14 +221,14 @@ class Runner:
 
     def _make_pull(self) -> Callable[[], None]:
         """Return the function that reads angles and rates from the world, its names bound."""
-        joint_states, state = self.world_body.joint_states, self.law.state.data
+        joint_states, motion = self.world_body.joint_states, self.law.motion.data
         pack = struct.Struct(f"{2 * len(self.law.rates)}d").pack_into
 
         angle, rate = itemgetter(0), itemgetter(1)
 
         def pull() -> None:
             states = joint_states()
-            pack(state, 0, *map(angle, states), *map(rate, states))
+            pack(motion, 0, *map(angle, states), *map(rate, states))
 
         return pull
 
@@ -255,12 +266,14 @@ class Runner:
     def refresh_if_moved(self) -> None:
         """Renew the mass matrix if it is that of angles too far from the present ones."""
         moved = self.law.angles - self._mass_angles
-        if moved.dot(moved) > self._refresh_angle**2:
+        self._moved_since = math.sqrt(moved.dot(moved))
+        if self._moved_since > self._refresh_angle:
             self.refresh()
 
     def refresh(self) -> None:
         """Renew the mass matrix for the present angles."""
         angles = self._mass_angles = self.law.angles.copy()
+        self._moved_since, self._room_then = 0.0, math.nan
         self.mass = self.world_body.mass_matrix(angles.tolist())
         moved = angles - self._parts_angles
         is_far = moved.dot(moved) > (FAR * self._refresh_angle) ** 2
@@ -305,9 +318,11 @@ class Runner:
         self.pull()
 
 
-def _as_slice(joints: tuple[int, ...]) -> slice | list[int]:
-    """Return evenly spaced indices as a slice, which numpy writes to much faster than to a list."""
+def _setter(values: Array, joints: tuple[int, ...]) -> Callable[[float], None]:
+    """Return the function that gives some of the values, those of these joints, one number."""
     steps = {after - before for before, after in itertools.pairwise(joints)}
     if len(steps) > 1:
-        return list(joints)
-    return slice(joints[0], joints[-1] + 1, steps.pop() if steps else 1)
+        return partial(values.__setitem__, np.array(joints))
+    # evenly spaced ones are a view, which is filled in half of the time
+    view: Array = values[joints[0] : joints[-1] + 1 : steps.pop() if steps else 1]
+    return view.fill

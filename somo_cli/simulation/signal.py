@@ -13,6 +13,8 @@ from somo_cli.simulation import spline
 Interpolation = Literal["step", "linear", "cubic"]
 WaveShape = Literal["sine", "triangle", "square", "trapezoid"]
 
+LEVEL = (0.0, 0.0, 0.0)  # coefficients of 1, s, s², s³ but the first, where nothing changes
+
 
 class Input(Protocol):
     """Anything with a value at every time."""
@@ -61,15 +63,15 @@ class Signal:
 
         That is `time` itself where the value is changing, infinity where it never changes again.
         """
-        if self.pieces.count((self.pieces[0][0], 0.0, 0.0, 0.0)) == len(self.pieces):
+        index = bisect_right(self.times, time) - 1
+        if self.period is None and index >= 0 and self.pieces[index][1:] != LEVEL:
+            return time
+        if self.pieces.count((self.pieces[0][0], *LEVEL)) == len(self.pieces):
             return math.inf
         if self.period is not None:
             return time
-        index = bisect_right(self.times, time) - 1
         if index < 0:
             return self.times[0]
-        if self.pieces[index][1:] != (0.0, 0.0, 0.0):
-            return time
         return self.times[index + 1] if index + 1 < len(self.times) else math.inf
 
 

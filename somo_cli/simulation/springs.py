@@ -60,7 +60,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -107,30 +107,25 @@ def carried_on(change: Array, before: Array, small: float) -> Array:
 
 
 class SpringLaw:
-    """The law of one body, in most steps as one matrix-vector product.
+    """The law of one body, in most steps as one product of a vector and a matrix.
 
-    `state` stacks q, v, v_prev, τ_prev, u and a one, shape (5 n + 1,): write q and v into
-    its first 2 n numbers, set `actuation` when it changes, then call `correct`, or what
-    `make_hold` returns, for the torques of the coming step.
+    `state` stacks the share of a held correction's growth, a one, u, q, v, v_prev and τ_prev, shape
+    (5 n + 2,): write q and v into `motion`, set `actuation` when it changes, then call `correct`,
+    or what `make_hold` returns, for the torques of the coming step.
     """
 
     def __init__(self, springs: Springs, time_step: float, integrator: Integrator) -> None:
         n = len(springs.stiffness)
-        k, d, h = springs.stiffness, springs.damping, time_step
         self.springs = springs
         self.time_step = time_step
         self.integrator = integrator
-        self.state: Array = np.zeros(5 * n + 1)
-        self.state[-1] = 1.0
-        self.angles = self.state[:n]
-        self.rates = self.state[n : 2 * n]
-        self.actuation = self.state[4 * n : 5 * n]
-        self._previous_rates = self.state[2 * n : 3 * n]
-        self._previous_torques = self.state[3 * n : 4 * n]
+        self.state: Array = np.zeros(5 * n + 2)
+        self.state[1] = 1.0
+        self.actuation, self.angles, self.rates = _blocks(self.state[2 : 3 * n + 2], 3)
+        self.motion = self.state[n + 2 : 3 * n + 2]
+        self._previous_rates, self._previous_torques = _blocks(self.state[3 * n + 2 :], 2)
         self.correction: Array = np.zeros(n)
         self.bias: Array | None = None  # at the start of the last step, if it was corrected
-        self._held: Array = np.zeros(n)  # torques that hold the last correction, and their change
-        self._slope: Array = np.zeros(n)
         self.stop: Callable[[Array, Array], Array | None] | None = None
         """Gives, from a and (M + B)⁻¹, the torques of joints at their limits, where there are."""
         self.can_be_struck = False
@@ -139,21 +134,43 @@ class SpringLaw:
         self._pendulum: tuple[Array, Array] | None = None  # of D + N and of B; None if resolved
         self._mass: Array | None = None
         self._prepare()
-        # s and f + s as linear functions of the state; only the mass changes them later
-        self._own: Array = np.zeros((n, 5 * n + 1))
-        self._own[:, :n] = np.diag(-k)
-        self._own[:, n : 2 * n] = np.diag(-(d + h * k if integrator == "euler" else d))
-        self._own[:, 4 * n : 5 * n] = np.eye(n)
-        self._own[:, 5 * n] = k * springs.neutral
-        self._all = self._own.copy()
-        self._all[:, 3 * n : 4 * n] = -np.eye(n)
-        self._to_torques: Array = self._own.copy()
-        self._present_damping: Array = self._damping
-        self._is_laid_out = True  # whether the product is that of the present mass
         self._response: Array = np.zeros((n, n))  # (M + B)⁻¹
         self._implicit: Array = self._centred
-        self._at_rest: Array = k * springs.neutral
+        self._at_rest: Array = springs.stiffness * springs.neutral
         self._torques: Array = np.zeros(n)
+        # as arrays, which numpy multiplies by in half of the time that it takes to read a number
+        self._step: Array = np.array(time_step)
+        self._half_step: Array = np.array(0.5 * time_step)
+        self._step_share = 1.0  # of a held correction's growth
+        self._lay_down()
+
+    def _lay_down(self) -> None:
+        """Lay down s, f and the torques as linear functions of the state, a row for each number.
+
+        Rows, so that what a new mass changes, and what is held, is in one piece.
+        """
+        n = len(self.rates)
+        unit = np.eye(n)
+        # s, of a one, u, q and v; only the mass changes it later, and f
+        self._own: Array = np.zeros((3 * n + 1, n))
+        self._own[0] = self._at_rest
+        by_actuation, by_angles, self._own_by_rates = _blocks(self._own[1:], 3)
+        by_actuation[:], self._own_by_rates[:] = unit, -self._damping
+        by_angles[:] = np.diag(-self.springs.stiffness)
+        self._state_of_own = self.state[1 : 3 * n + 2]
+        # f, of v, v_prev and τ_prev
+        self._force: Array = np.zeros((3 * n, n))
+        self._force_by_rates, self._force_by_previous, by_torques = _blocks(self._force, 3)
+        by_torques[:] = -unit
+        self._state_of_force = self.state[2 * n + 2 :]
+        # the torques, of the whole state
+        self._to_torques: Array = np.zeros((5 * n + 2, n))
+        self._to_torques[1 : 3 * n + 2] = self._own
+        self._growth, self._held = self._to_torques[:2]
+        self._laid = _blocks(self._to_torques[2:], 5)
+        self._is_laid_out = True  # whether the product is that of the present mass
+        self._unit: Array = unit
+        self._pull_of_springs: Array = -self.springs.stiffness[:, np.newaxis]
 
     def refresh(self, mass: Array, is_far: bool = True) -> None:
         """Take the joint-space inertia M, shape (n, n), of the present pose.
@@ -166,23 +183,27 @@ class SpringLaw:
         if self._mass is not None:
             # f, measured with the old matrix, shall not jump
             change = self.rates - self._previous_rates
-            self._previous_torques += (mass - self._mass).dot(change) / self.time_step
+            self._previous_torques += (mass - self._mass).dot(change) / self._step
         self._mass = mass
         if is_far:
-            self._present_damping, self._implicit = self.implicit_parts(mass)
+            damping, self._implicit = self.implicit_parts(mass)
+            np.negative(damping, self._own_by_rates)
+        np.divide(mass, self._step, self._force_by_rates)
+        np.negative(self._force_by_rates, self._force_by_previous)
         self._response = np.asarray(np.linalg.inv(mass + self._implicit), dtype=np.float64)
         self._is_laid_out = False
 
     def _lay_out(self) -> None:
         """Make the one product of the present mass, which is worth it where it serves for long."""
         assert self._mass is not None, "refresh comes first"
-        n = len(self._mass)
-        np.negative(self._present_damping, self._own[:, n : 2 * n])
-        by_step = self._mass / self.time_step
-        self._all[:, n : 2 * n] = self._own[:, n : 2 * n] + by_step
-        np.negative(by_step, self._all[:, 2 * n : 3 * n])
-        share = self._implicit.dot(self._response)
-        np.subtract(self._own, share.dot(self._all), self._to_torques)
+        by_actuation, by_angles, by_rates, by_previous, by_torques = self._laid
+        # transposed, and so the other way round: B (M + B)⁻¹ and 1 - B (M + B)⁻¹
+        share = self._response.dot(self._implicit, by_torques)
+        rest = np.subtract(self._unit, share, by_actuation)
+        np.multiply(self._pull_of_springs, rest, by_angles)
+        self._force_by_rates.dot(share, by_previous)
+        self._own_by_rates.dot(rest, by_rates)
+        np.subtract(by_rates, by_previous, by_rates)
         self._is_laid_out = True
 
     def implicit_parts(self, mass: Array) -> tuple[Array, Array]:
@@ -242,44 +263,45 @@ class SpringLaw:
     def measured(self, bias: Array) -> Array:
         """Return f as it was in the last step, shape (n,), but for the present bias forces."""
         assert self._mass is not None, "refresh comes first"
-        force: Array = self._mass.dot(self.rates - self._previous_rates)
-        force /= self.time_step
-        force -= self._previous_torques
+        force: Array = self._state_of_force.dot(self._force)
         if self.bias is not None:
             force += self.bias - bias
         return force
 
-    def hold(self, drift: Array, change: Array) -> None:
+    def hold(self, fall: Array, growth: Array, steps: int) -> None:
         """Carry the last correction on for the steps to come, as `make_hold` does them.
 
-        `drift` is how much the bias forces fall from step to step, shape (n,): the measured force
-        is a step old by that much. `change` is how much the correction grows from step to step.
+        `fall` is how much the bias forces fall in so many steps, shape (n,): the measured force is
+        a step old, too large by what they fall in one. `growth` is how much the correction grows.
         """
-        n = len(drift)
         if not self._is_laid_out:
             self._lay_out()
-        rest = self._to_torques[:, 4 * n : 5 * n]  # 1 - B (M + B)⁻¹
-        self._slope[:] = rest.dot(change)
-        self._held[:] = rest.dot(self.correction + drift) - drift
+        rest = self._laid[0]  # what actuation adds to the torques
+        lag = fall / steps
+        ahead = lag + self._at_rest
+        ahead += self.correction
+        np.subtract(ahead.dot(rest), lag, self._held)
+        growth.dot(rest, self._growth)
+        self._step_share, self.state[0] = 1 / steps, 0.0
 
     def make_hold(self) -> Callable[[], list[float]]:
         """Return the function that gives the torques for the coming step in most steps.
 
-        All names are bound here, because this is where a run spends its time.
+        After each new mass, `hold` comes before it. All names are bound here, because this is where
+        a run spends its time.
         """
-        state, torques, held, slope = self.state, self._torques, self._held, self._slope
-        rates, previous_rates = self.rates, self._previous_rates
-        previous_torques = self._previous_torques
-        tolist, add, law = torques.tolist, np.add, self
+        law, dot, to_torques = self, self.state.dot, self._to_torques
+        torques, tolist = self._torques, self._torques.tolist
+        # memory views are copied in half of the time that arrays take
+        share: Any = self.state[:1].data
+        rates, previous_rates = self.rates.data, self._previous_rates.data
+        applied, previous_torques = torques.data, self._previous_torques.data
 
         def hold() -> list[float]:
-            if not law._is_laid_out:
-                law._lay_out()
-            add(held, slope, held)
-            law._to_torques.dot(state, torques)
-            add(torques, held, torques)
+            share[0] += law._step_share
+            dot(to_torques, torques)
             previous_rates[:] = rates
-            previous_torques[:] = torques
+            previous_torques[:] = applied
             law.bias = None
             values: list[float] = tolist()
             return values
@@ -293,19 +315,18 @@ class SpringLaw:
         `bias_at(rates)` gives them at other rates.
         """
         assert self._mass is not None, "refresh comes first"
-        h, rates, torques = self.time_step, self.rates, self._torques
-        force = self.measured(bias)
-        own = self._at_rest - self.springs.stiffness * self.angles
-        own += self.actuation
-        own -= self._present_damping.dot(rates)
-        acceleration = self._response.dot(force + own)
+        rates, torques = self.rates, self._torques
+        own = self._state_of_own.dot(self._own)
+        acceleration = self._response.dot(self.measured(bias) + own)
         # a joint that presses on its limit is not about to move, whatever presses it
         stopping = self._stopping(acceleration)
         coming = acceleration if stopping is None else acceleration + self._response.dot(stopping)
         if self.can_be_struck:
             last, self._last_coming = self._last_coming, coming.copy()
-            coming = coming if last is None else carried_on(coming, last, SUDDEN / h**2)
-        self.correction = bias - bias_at(rates + 0.5 * h * coming)
+            coming = (
+                coming if last is None else carried_on(coming, last, SUDDEN / self.time_step**2)
+            )
+        self.correction = bias - bias_at(self._half_step * coming + rates)
         acceleration += self._response.dot(self.correction)
         own += self.correction
         stopping = self._stopping(acceleration)
@@ -329,3 +350,8 @@ class SpringLaw:
         springs = self.springs.stiffness * (self.angles - self.springs.neutral)
         s = self.actuation - springs - damping @ self.rates
         return np.asarray(np.linalg.solve(mass + implicit, force + s), dtype=np.float64)
+
+
+def _blocks(rows: Array, count: int) -> list[Array]:
+    """Return so many equal parts of an array, one after the other, as views."""
+    return np.split(rows, count)

@@ -55,7 +55,7 @@ class BodyRows:
         self._poses = ChainPoses(runner.body.chain)
         self._groups = groups
         # angles and rates, as the law has them one behind the other
-        self._state = runner.law.state[: 2 * len(runner.law.angles)]
+        self._motion = runner.law.motion
         self.clear()
 
     def clear(self) -> None:
@@ -71,7 +71,7 @@ class BodyRows:
     def take(self) -> None:
         """Take the present state."""
         runner = self._runner
-        self._states.append(self._state.copy())
+        self._states.append(self._motion.copy())
         self._masses.append(runner.mass)
         if self._has_actuation:
             self._actuation.append(runner.actuation.copy())

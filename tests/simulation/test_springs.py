@@ -22,6 +22,13 @@ def inertia(n: int = 3) -> np.ndarray:
     return root @ root.T + n * np.eye(n)
 
 
+def refreshed(law: SpringLaw, mass: np.ndarray) -> None:
+    """Have the law take an inertia, and hold no correction."""
+    law.refresh(mass)
+    nothing = np.zeros(len(mass))
+    law.hold(nothing, nothing, 1)
+
+
 def plain_torques(law: SpringLaw, mass: np.ndarray, q, v, v_prev, tau_prev, u) -> np.ndarray:
     """Return τ by the formulas of the module's docstring, one after the other."""
     k, q0 = law.springs.stiffness, law.springs.neutral
@@ -35,7 +42,7 @@ def plain_torques(law: SpringLaw, mass: np.ndarray, q, v, v_prev, tau_prev, u) -
 @pytest.mark.parametrize("integrator", ["implicit", "euler", "explicit"])
 def test_one_product_is_the_law(integrator: str) -> None:
     law, mass = SpringLaw(springs(), H, integrator), inertia()
-    law.refresh(mass)
+    refreshed(law, mass)
     hold = law.make_hold()
     v_prev = tau_prev = np.zeros(3)
     for _ in range(4):
@@ -76,7 +83,7 @@ def test_the_correction_acts_like_actuation_and_the_lag_of_the_bias_like_force()
 def test_at_rest_the_torque_is_the_spring_s(integrator: str) -> None:
     """Whatever the step: f balances s, so a is zero, and statics are exact."""
     law, mass = SpringLaw(springs(), H, integrator), inertia()
-    law.refresh(mass)
+    refreshed(law, mass)
     law.angles[:], law.actuation[:] = [0.3, -0.1, 0.5], [1.0, 2.0, -1.0]
     expected = law.actuation + law.springs.torques(law.angles, law.rates)
     law.measure(-expected)
@@ -86,13 +93,13 @@ def test_at_rest_the_torque_is_the_spring_s(integrator: str) -> None:
 
 def test_a_new_mass_matrix_leaves_the_measured_force() -> None:
     law, mass = SpringLaw(springs(), H, "implicit"), inertia()
-    law.refresh(mass)
+    refreshed(law, mass)
     hold = law.make_hold()
     law.rates[:] = [1.0, 2.0, 3.0]
     before = np.array(hold())
     law.rates[:] = [1.1, 1.9, 3.2]
     heavier = mass + np.eye(3)
-    law.refresh(heavier)
+    refreshed(law, heavier)
     force = mass @ [0.1, -0.1, 0.2] / H - before
     damping, b = law.implicit_parts(heavier)
     springs_alone = law.springs.torques(law.angles, np.zeros(3))
@@ -107,7 +114,7 @@ def test_the_linear_chain_is_stable_however_stiff(integrator: str, stiffer: floa
     soft = springs()
     stiff = Springs(soft.stiffness * stiffer, soft.damping, soft.neutral)
     law, mass = SpringLaw(stiff, H, integrator), inertia()
-    law.refresh(mass)
+    refreshed(law, mass)
     hold = law.make_hold()
     angles, rates = np.array([0.3, -0.2, 0.1]), np.zeros(3)
     law.angles[:] = angles
