@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Callable, Sequence
 from pathlib import Path
+
+import numpy as np
 
 from somo_cli.loading import load_text, scene_of
 from somo_cli.simulation import run
@@ -43,3 +47,9 @@ def simulated(scene_or_plan: Scene | Plan, steps: int) -> tuple[list[list[float]
     with BulletWorld(plan) as world:
         summary = run.run(plan, world, keep, steps, lambda: float(next(ticks)))
     return rows, summary
+
+
+def in_turn(rows: Sequence[Sequence[float]]) -> Callable[[int], Array]:
+    """Return a function that gives the next so many rows."""
+    left = iter(rows)
+    return lambda count: np.array(list(itertools.islice(left, count)))

@@ -72,8 +72,7 @@ def run(
     ]
     driven: list[Driven] = [*runners, *movers]
     begin(plan, world, runners, movers)
-    given = _given(plan, world, movers)
-    watch = Watch(plan, runners, given)
+    watch = Watch(plan, runners, _given(plan, world, movers))
     recorded = Rows(plan, world, runners, watch, write)
     ending = Ending(plan, world, runners, steps)
     contacts = None if tell is None else ContactWatch(plan.time_step, tell)
@@ -107,14 +106,7 @@ def run(
             _go(plan, world, runners, driven, step, until, recorded, contacts)
             step = until
         if step % plan.every == 0 or plan.ends_in_row:
-            recorded.take(step)
-            if recorded.needs_next_step:  # beyond the end, for velocities alone
-                for push in _pushes(runners, step):
-                    push()
-                world.step()
-                for runner in runners:
-                    runner.pull()
-            recorded.complete()
+            _take_last(world, runners, recorded, step)
     except BaseException:
         with suppress(OSError):  # a full disk is not to hide what ended the run
             recorded.release()
@@ -197,6 +189,18 @@ def _go(
             contacts.look(step + 1, world.touches())
     for runner in runners:
         runner.count_work(is_steady)
+
+
+def _take_last(world: World, runners: Sequence[Runner], recorded: Rows, step: int) -> None:
+    """Take the row of the last step; if it needs velocities half a step on, go beyond the end."""
+    recorded.take(step)
+    if recorded.needs_next_step:
+        for push in _pushes(runners, step):
+            push()
+        world.step()
+        for runner in runners:
+            runner.pull()
+    recorded.complete()
 
 
 def _pushes(runners: Sequence[Runner], step: int) -> list[Callable[[], None]]:

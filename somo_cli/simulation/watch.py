@@ -89,16 +89,13 @@ class Watch:
         check(step, self._plan, self._bodies, self._given)
 
     def sound(self, pasts: Sequence[Past]) -> int:
-        """Return how many rows, one past for each body, come before the first to be refused."""
-        rows = len(pasts[0].masses) if pasts else 0
-        present, fastest, bound = (
-            np.zeros(rows),
-            np.zeros(rows),
-            _bound(self._plan, self._bodies, self._given),
-        )
+        """Return how many rows come before the first to be refused; pasts of all bodies."""
+        rows = len(pasts[0].masses)
+        present, fastest = np.zeros(rows), np.zeros(rows)
         for one, past in zip(self._bodies, pasts, strict=True):
             present += one.energy.of(past.angles, past.rates, past.masses)
             np.maximum(fastest, np.abs(past.rates).max(axis=1), out=fastest)
+        bound = _bound(self._plan, self._bodies, self._given)
         is_sound = (fastest < ANGLE_PER_STEP / self._plan.time_step) & (present <= bound)
         return rows if is_sound.all() else int(is_sound.argmin())
 

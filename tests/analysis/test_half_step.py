@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-import itertools
 import json
-from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -15,19 +13,13 @@ from somo_cli.simulation import columns
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.plan import make_plan
 from somo_cli.simulation.scene import Scene
-from tests.loading import rows_of, scene_from_file, scene_from_text, simulated
+from tests.loading import in_turn, rows_of, scene_from_file, scene_from_text, simulated
 from tests.simulation.test_physics import error_of_hinge, finger, hinge, truth_of_finger
 
 
 def estimated(scene: Scene, steps: int) -> Estimate:
     plan = make_plan(scene)
     return estimate(plan, in_turn(rows_of(plan, steps)), steps, BulletWorld, lambda: 0.0)
-
-
-def in_turn(rows: list[list[float]]) -> Callable[[int], np.ndarray]:
-    """Return a function that gives the next so many rows."""
-    left = iter(rows)
-    return lambda count: np.array(list(itertools.islice(left, count)))
 
 
 @pytest.mark.parametrize("integrator", ["implicit", "euler", "explicit"])

@@ -13,7 +13,7 @@ from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.plan import make_plan
 from somo_cli.simulation.scene import Integrator, Scene
 from tests.bench.accuracy import MOTIONS, scene_of, truth_of
-from tests.loading import rows_of
+from tests.loading import in_turn, rows_of
 from tests.simulation import test_physics as physics
 from tests.truth.table import Row
 
@@ -58,7 +58,7 @@ def of_finger(
 def told(scene: Scene) -> np.ndarray:
     """Return the largest error over one second that is told of each column."""
     plan, steps = make_plan(scene), round(1 / scene.time_step)
-    found = estimate(plan, iter(rows_of(plan, steps)), steps, BulletWorld, lambda: 0.0)
+    found = estimate(plan, in_turn(rows_of(plan, steps)), steps, BulletWorld, lambda: 0.0)
     return np.array([error.maximum for error in found.errors])
 
 
