@@ -284,8 +284,8 @@ class SpringLaw:
         growth.dot(rest, self._growth)
         self._step_share, self.state[0] = 1 / steps, 0.0
 
-    def make_hold(self) -> Callable[[], list[float]]:
-        """Return the function that gives the torques for the coming step in most steps.
+    def make_hold(self, apply: Callable[[list[float]], None]) -> Callable[[], None]:
+        """Return the function that applies the torques of the coming step in most steps.
 
         After each new mass, `hold` comes before it. All names are bound here, because this is where
         a run spends its time.
@@ -297,14 +297,13 @@ class SpringLaw:
         rates, previous_rates = self.rates.data, self._previous_rates.data
         applied, previous_torques = torques.data, self._previous_torques.data
 
-        def hold() -> list[float]:
+        def hold() -> None:
             share[0] += law._step_share
             dot(to_torques, torques)
             previous_rates[:] = rates
             previous_torques[:] = applied
             law.bias = None
-            values: list[float] = tolist()
-            return values
+            apply(tolist())
 
         return hold
 
