@@ -65,6 +65,7 @@ class BulletBody:
         self.reset(body.start.angles, body.start.rates)
         self._gravity_in_base = geometry.rotate(geometry.transposed(self._base_axes()), gravity)
         self._is_tilted = max(map(abs, geometry.subtract(gravity, self._gravity_in_base))) > 0
+        self._is_plain = body.base == "static" and not self._is_tilted
         if body.base == "constrained":
             self._hold_base()
 
@@ -138,6 +139,8 @@ class BulletBody:
         angular velocity in the world of a base that can move. The gravity is that of the start pose
         of the base, which makes no difference to what the joints of a free body feel.
         """
+        if self._is_plain:
+            return self._inverse_dynamics(angles, rates)
         if not self._is_tilted:
             return self._bias(angles, rates, spin)
         # seen in 3.2.7: inverse dynamics takes the base to stand upright, whatever its pose

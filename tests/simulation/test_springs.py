@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from somo_cli.simulation.springs import SUDDEN, Array, SpringLaw, Springs, carried_on
+from somo_cli.simulation.springs import SUDDEN, Array, SpringLaw, Springs, carried_on, invert
 
 H = 1e-2
 RANDOM = np.random.default_rng(7)
@@ -91,6 +91,32 @@ def test_the_correction_acts_like_actuation_and_the_lag_of_the_bias_like_force()
         whole = plain_torques(law, mass, q, v, v_prev, tau_prev - lag, u + change)
         assert torques == pytest.approx(whole)
         v_prev, tau_prev, bias_prev = v, np.array(torques), bias_at(v)
+
+
+def test_a_held_correction_goes_on_as_it_grew_and_the_bias_as_it_fell() -> None:
+    law, mass = SpringLaw(springs(), H, "implicit"), inertia()
+    law.refresh(mass)
+    bias, coming, fall, growth = RANDOM.normal(size=(4, 3))
+    law.correct(bias, lambda rates: coming)
+    v_prev, tau_prev = law.rates.copy(), np.array(law.state[-3:])
+    for _ in range(2):  # the second time, nothing is left of the first
+        law.hold(fall, growth, 4)
+        hold = holding(law)
+        for number in range(1, 5):
+            q, v, u = RANDOM.normal(size=(3, 3))
+            law.angles[:], law.rates[:], law.actuation[:] = q, v, u
+            held = u + bias - coming + growth * number / 4
+            expected = plain_torques(law, mass, q, v, v_prev, tau_prev - fall / 4, held)
+            torques = hold()
+            assert torques == pytest.approx(expected)
+            v_prev, tau_prev = v, np.array(torques)
+
+
+def test_a_singular_matrix_has_no_inverse_and_stops_nothing() -> None:
+    with np.errstate(invalid="ignore"):
+        singular, regular = invert(np.array([np.zeros((2, 2)), [[2.0, 1.0], [1.0, 1.0]]]))
+    assert np.isnan(singular).all()
+    assert regular == pytest.approx(np.array([[1.0, -1.0], [-1.0, 2.0]]))
 
 
 @pytest.mark.parametrize("integrator", ["implicit", "euler", "explicit"])
