@@ -146,6 +146,9 @@ class SpringLaw:
         self._step: Array = np.array(time_step)
         self._half_step: Array = np.array(0.5 * time_step)
         self._step_share = 1.0  # of a held correction's growth
+        # memory views are copied in half of the time that arrays take
+        self._done: Any = self.rates.data, self._torques.data
+        self._last: Any = self._previous_rates.data, self._previous_torques.data
         self._lay_down()
 
     def _lay_down(self) -> None:
@@ -296,10 +299,8 @@ class SpringLaw:
         """
         law, dot, to_torques = self, self.state.dot, self._to_torques
         torques, tolist = self._torques, self._torques.tolist
-        # memory views are copied in half of the time that arrays take
         share: Any = self.state[:1].data
-        rates, previous_rates = self.rates.data, self._previous_rates.data
-        applied, previous_torques = torques.data, self._previous_torques.data
+        (rates, applied), (previous_rates, previous_torques) = self._done, self._last
 
         def hold() -> None:
             share[0] += law._step_share
@@ -337,8 +338,8 @@ class SpringLaw:
             acceleration += self._response.dot(stopping)
             own += stopping
         np.subtract(own, self._implicit.dot(acceleration), torques)
-        self._previous_rates[:] = rates
-        self._previous_torques[:] = torques
+        previous_rates, previous_torques = self._last
+        previous_rates[:], previous_torques[:] = self._done
         self.bias = bias
         values: list[float] = torques.tolist()
         return values
