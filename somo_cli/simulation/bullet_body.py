@@ -22,6 +22,7 @@ from somo_cli.simulation.plan import Body
 from somo_cli.simulation.readback import EngineJoint, EngineLink, mismatches
 from somo_cli.simulation.springs import Array
 
+MANY_JOINTS = 40  # for more of them it takes longer to read numbers for nothing than names
 UNLIMITED_RATE = 1e12  # rad/s; the engine's own clamp of 100 hides divergence
 # engine units; seen in 3.2.7: any motor has its row whose force times the time step is not 0, and
 # one of this force changes no rate but one that is exactly 0, to less than 1e-290 or so
@@ -68,6 +69,7 @@ class BulletBody:
         self.reset(body.start.angles, body.start.rates)
         self._gravity_in_base = geometry.rotate(geometry.transposed(self._base_axes()), gravity)
         self._is_tilted = max(map(abs, geometry.subtract(gravity, self._gravity_in_base))) > 0
+        self._is_plain = body.base == "static" and not self._is_tilted
         if body.base == "constrained":
             self._hold_base()
 
@@ -76,10 +78,15 @@ class BulletBody:
         index, joints, client = self.index, self._joints, self._client
         control, mode = self._bullet.setJointMotorControlArray, self._bullet.TORQUE_CONTROL
 
+        # seen in 3.2.7: names cost a quarter of the call for ten joints; without them there must be
+        # positions, rates and gains, which are read and, in this mode, used for nothing
         def apply(torques: Sequence[float]) -> None:
+            control(index, joints, mode, torques, torques, torques, torques, torques, client)
+
+        def apply_to_many(torques: Sequence[float]) -> None:
             control(index, joints, mode, forces=torques, physicsClientId=client)
 
-        return apply
+        return apply if len(joints) <= MANY_JOINTS else apply_to_many
 
     def _make_inverse_dynamics(self) -> Callable[[Sequence[float], Sequence[float]], Array]:
         """Return the engine's function of positions and rates, those of a base that moves first."""
@@ -141,6 +148,8 @@ class BulletBody:
         angular velocity in the world of a base that can move. The gravity is that of the start pose
         of the base, which makes no difference to what the joints of a free body feel.
         """
+        if self._is_plain:
+            return self._inverse_dynamics(angles, rates)
         if not self._is_tilted:
             return self._bias(angles, rates, spin)
         # seen in 3.2.7: inverse dynamics takes the base to stand upright, whatever its pose

@@ -81,10 +81,7 @@ class FreeRunner(Runner):
         self.world_body.apply(torques)
 
     def _make_push_held(self) -> Callable[[], None]:
-        if self.loads is None:
-            return super()._make_push_held()
-        hold = self.law.make_hold()
-        return lambda: self.apply(hold())
+        return self.law.make_hold(self.apply)
 
     def _steps_to_hold(self, change: Array) -> int:
         return 1

@@ -188,13 +188,8 @@ class Runner:
         return room if room >= enough else self._stops.room(self.law.angles)
 
     def _make_push_held(self) -> Callable[[], None]:
-        """Return the function that applies torques with the correction held, its names bound."""
-        hold, apply = self.law.make_hold(), self.world_body.apply
-
-        def push_held() -> None:
-            apply(hold())
-
-        return push_held
+        """Return the function that applies torques with the correction held."""
+        return self.law.make_hold(self.world_body.apply)
 
     def _push_in_turns(self) -> None:
         """Hold the correction, but for every second or fourth step, which renews it."""

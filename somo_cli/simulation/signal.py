@@ -13,6 +13,7 @@ from somo_cli.simulation import spline
 Interpolation = Literal["step", "linear", "cubic"]
 WaveShape = Literal["sine", "triangle", "square", "trapezoid"]
 
+TURN = 2 * math.pi  # rad
 LEVEL = (0.0, 0.0, 0.0)  # coefficients of 1, s, s², s³ but the first, where nothing changes
 
 
@@ -93,7 +94,9 @@ class Wave:
 
     def at(self, time: float) -> float:
         """Return the value at a time [s]."""
-        turns = (self.frequency * time + self.phase / (2 * math.pi)) % 1.0
+        turns = (self.frequency * time + self.phase / TURN) % 1.0
+        if self.shape == "sine":  # most are, and a call costs as much as the rest
+            return self.offset + self.amplitude * math.sin(TURN * turns)
         return self.offset + self.amplitude * self._shape(turns)
 
     def steady_until(self, time: float) -> float:
@@ -102,7 +105,7 @@ class Wave:
             return math.inf
         if self.shape != "square":
             return time
-        half_turns = 2 * (self.frequency * time + self.phase / (2 * math.pi))
+        half_turns = 2 * (self.frequency * time + self.phase / TURN)
         # a little early rather than late: the next time of asking is then on the other side
         until = time + (math.floor(half_turns) + 1 - half_turns) / (2 * self.frequency)
         return until - 1e-12 * abs(until)
@@ -113,8 +116,6 @@ class Wave:
         return 0.0
 
     def _shape(self, turns: float) -> float:
-        if self.shape == "sine":
-            return math.sin(2 * math.pi * turns)
         if self.shape == "square":
             return 1.0 if turns < 0.5 else -1.0
         triangle = 4 * turns if turns < 0.25 else 2 - 4 * turns if turns < 0.75 else 4 * turns - 4

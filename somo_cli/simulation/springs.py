@@ -142,6 +142,9 @@ class SpringLaw:
         self._step: Array = np.array(time_step)
         self._half_step: Array = np.array(0.5 * time_step)
         self._step_share = 1.0  # of a held correction's growth
+        # memory views are copied in half of the time that arrays take
+        self._done: Any = self.rates.data, self._torques.data
+        self._last: Any = self._previous_rates.data, self._previous_torques.data
         self._lay_down()
 
     def _lay_down(self) -> None:
@@ -284,27 +287,24 @@ class SpringLaw:
         growth.dot(rest, self._growth)
         self._step_share, self.state[0] = 1 / steps, 0.0
 
-    def make_hold(self) -> Callable[[], list[float]]:
-        """Return the function that gives the torques for the coming step in most steps.
+    def make_hold(self, apply: Callable[[list[float]], None]) -> Callable[[], None]:
+        """Return the function that applies the torques of the coming step in most steps.
 
         After each new mass, `hold` comes before it. All names are bound here, because this is where
         a run spends its time.
         """
         law, dot, to_torques = self, self.state.dot, self._to_torques
         torques, tolist = self._torques, self._torques.tolist
-        # memory views are copied in half of the time that arrays take
         share: Any = self.state[:1].data
-        rates, previous_rates = self.rates.data, self._previous_rates.data
-        applied, previous_torques = torques.data, self._previous_torques.data
+        (rates, applied), (previous_rates, previous_torques) = self._done, self._last
 
-        def hold() -> list[float]:
+        def hold() -> None:
             share[0] += law._step_share
             dot(to_torques, torques)
             previous_rates[:] = rates
             previous_torques[:] = applied
             law.bias = None
-            values: list[float] = tolist()
-            return values
+            apply(tolist())
 
         return hold
 
@@ -334,8 +334,8 @@ class SpringLaw:
             acceleration += self._response.dot(stopping)
             own += stopping
         np.subtract(own, self._implicit.dot(acceleration), torques)
-        self._previous_rates[:] = rates
-        self._previous_torques[:] = torques
+        previous_rates, previous_torques = self._last
+        previous_rates[:], previous_torques[:] = self._done
         self.bias = bias
         values: list[float] = torques.tolist()
         return values

@@ -41,7 +41,7 @@ class Stops:
         """
         above, below = self.upper - angles, self.lower - angles
         coming = time_step * (rates + time_step * acceleration)
-        if not ((coming > above).any() or (coming < below).any()):
+        if not np.minimum(above - coming, coming - below).min() < 0:
             return None
         np.multiply(above, RECOVERY, out=above, where=above < 0)
         np.multiply(below, RECOVERY, out=below, where=below > 0)

@@ -21,7 +21,7 @@ from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import EngineMissing, EngineRefused
 from somo_cli.simulation import bullet_contact
 from somo_cli.simulation.bullet import BulletBody, BulletWorld
-from somo_cli.simulation.bullet_body import IDLE_TORQUE
+from somo_cli.simulation.bullet_body import IDLE_TORQUE, MANY_JOINTS
 from somo_cli.simulation.plan import Plan, make_plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.manipulator.bodies import EVERYTHING, X, Y, actuator, bent, hinge, manipulator
@@ -270,6 +270,29 @@ def test_reset_brings_everything_back_exactly() -> None:
 
 
 # forces
+
+
+@pytest.mark.parametrize("segments", [1, MANY_JOINTS // 2, MANY_JOINTS // 2 + 1])
+def test_torques_are_all_that_is_applied_however_many_joints(segments: int) -> None:
+    plan = plan_of({"definition": manipulator(actuator(segments, X, Y))})
+    count = len(plan.bodies[0].chain.joints)
+    torques = np.random.default_rng(segments).normal(size=count).tolist()
+    rates = []
+    for is_by_name in (False, True):
+        with BulletWorld(plan) as world:
+            body, bullet = world.bodies[0], world._bullet
+            joints, mode = list(range(count)), bullet.TORQUE_CONTROL
+            for _ in range(3):
+                if is_by_name:
+                    bullet.setJointMotorControlArray(
+                        body.index, joints, mode, forces=torques, physicsClientId=world._client
+                    )
+                else:
+                    body.apply(torques)
+                world.step()
+            rates.append(rates_of(body).tolist())
+    assert np.abs(rates[0]).max() > 0
+    assert rates[0] == rates[1]
 
 
 @pytest.mark.parametrize(

@@ -146,6 +146,29 @@ def test_the_fastest_joint_is_known_by_its_speed() -> None:
         assert math.isnan(runner.fastest)
 
 
+def test_how_near_a_limit_is_is_asked_only_where_it_matters() -> None:
+    plan = plan_of_hinges(2)
+    limited = tuple(
+        dataclasses.replace(joint, lower=-2.0, upper=1.0) for joint in plan.bodies[0].chain.joints
+    )
+    chain = dataclasses.replace(plan.bodies[0].chain, joints=limited)
+    plan = dataclasses.replace(plan, bodies=(dataclasses.replace(plan.bodies[0], chain=chain),))
+    world = FakeWorld(plan)
+    runner = Runner(plan, plan.bodies[0], world.bodies[0])
+    begin(plan, world, [runner])
+    for angle, enough, room in (
+        (0.0, 0.5, 1.0),
+        (6e-3, 0.5, 1.0 - 6e-3 * math.sqrt(2)),  # from how far both have moved
+        (6e-3, 0.995, 1.0 - 6e-3),
+        (0.3, 0.5, 0.7),
+        (-1.9, 0.5, 0.1),
+    ):
+        world.bodies[0].angles = np.full(2, angle)
+        runner.pull()
+        runner.refresh_if_moved()
+        assert runner._room(enough) == pytest.approx(room), (angle, enough)
+
+
 @pytest.mark.parametrize("joints", [(0,), (5,), (0, 1, 2), (1, 3, 5), (0, 2, 3), (0, 1, 3, 4)])
 def test_a_drive_reaches_its_joints_however_they_are_spaced(joints: tuple[int, ...]) -> None:
     plan = plan_of_hinges(6)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -29,6 +31,18 @@ def refreshed(law: SpringLaw, mass: np.ndarray) -> None:
     law.hold(nothing, nothing, 1)
 
 
+def holding(law: SpringLaw) -> Callable[[], list[float]]:
+    """Return what gives the torques of a law that holds its correction."""
+    applied: list[list[float]] = []
+    hold = law.make_hold(applied.append)
+
+    def torques() -> list[float]:
+        hold()
+        return applied.pop()
+
+    return torques
+
+
 def plain_torques(law: SpringLaw, mass: np.ndarray, q, v, v_prev, tau_prev, u) -> np.ndarray:
     """Return τ by the formulas of the module's docstring, one after the other."""
     k, q0 = law.springs.stiffness, law.springs.neutral
@@ -43,7 +57,7 @@ def plain_torques(law: SpringLaw, mass: np.ndarray, q, v, v_prev, tau_prev, u) -
 def test_one_product_is_the_law(integrator: str) -> None:
     law, mass = SpringLaw(springs(), H, integrator), inertia()
     refreshed(law, mass)
-    hold = law.make_hold()
+    hold = holding(law)
     v_prev = tau_prev = np.zeros(3)
     for _ in range(4):
         q, v, u = RANDOM.normal(size=(3, 3))
@@ -79,6 +93,25 @@ def test_the_correction_acts_like_actuation_and_the_lag_of_the_bias_like_force()
         v_prev, tau_prev, bias_prev = v, np.array(torques), bias_at(v)
 
 
+def test_a_held_correction_goes_on_as_it_grew_and_the_bias_as_it_fell() -> None:
+    law, mass = SpringLaw(springs(), H, "implicit"), inertia()
+    law.refresh(mass)
+    bias, coming, fall, growth = RANDOM.normal(size=(4, 3))
+    law.correct(bias, lambda rates: coming)
+    v_prev, tau_prev = law.rates.copy(), np.array(law.state[-3:])
+    for _ in range(2):  # the second time, nothing is left of the first
+        law.hold(fall, growth, 4)
+        hold = holding(law)
+        for number in range(1, 5):
+            q, v, u = RANDOM.normal(size=(3, 3))
+            law.angles[:], law.rates[:], law.actuation[:] = q, v, u
+            held = u + bias - coming + growth * number / 4
+            expected = plain_torques(law, mass, q, v, v_prev, tau_prev - fall / 4, held)
+            torques = hold()
+            assert torques == pytest.approx(expected)
+            v_prev, tau_prev = v, np.array(torques)
+
+
 @pytest.mark.parametrize("integrator", ["implicit", "euler", "explicit"])
 def test_at_rest_the_torque_is_the_spring_s(integrator: str) -> None:
     """Whatever the step: f balances s, so a is zero, and statics are exact."""
@@ -87,14 +120,14 @@ def test_at_rest_the_torque_is_the_spring_s(integrator: str) -> None:
     law.angles[:], law.actuation[:] = [0.3, -0.1, 0.5], [1.0, 2.0, -1.0]
     expected = law.actuation + law.springs.torques(law.angles, law.rates)
     law.measure(-expected)
-    assert law.make_hold()() == pytest.approx(expected, rel=1e-12)
+    assert holding(law)() == pytest.approx(expected, rel=1e-12)
     assert law.acceleration(mass, -expected) == pytest.approx(0, abs=1e-12)
 
 
 def test_a_new_mass_matrix_leaves_the_measured_force() -> None:
     law, mass = SpringLaw(springs(), H, "implicit"), inertia()
     refreshed(law, mass)
-    hold = law.make_hold()
+    hold = holding(law)
     law.rates[:] = [1.0, 2.0, 3.0]
     before = np.array(hold())
     law.rates[:] = [1.1, 1.9, 3.2]
@@ -115,7 +148,7 @@ def test_the_linear_chain_is_stable_however_stiff(integrator: str, stiffer: floa
     stiff = Springs(soft.stiffness * stiffer, soft.damping, soft.neutral)
     law, mass = SpringLaw(stiff, H, integrator), inertia()
     refreshed(law, mass)
-    hold = law.make_hold()
+    hold = holding(law)
     angles, rates = np.array([0.3, -0.2, 0.1]), np.zeros(3)
     law.angles[:] = angles
     law.rates[:] = rates = (
