@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import TypeAlias, cast
+from typing import cast
 
 import numpy as np
 
@@ -21,10 +21,9 @@ from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.rows import Rows, Write
 from somo_cli.simulation.runner import STEPS_BETWEEN_LOOKS, Runner
 from somo_cli.simulation.start import begin
+from somo_cli.simulation.stepper import Stepper
 from somo_cli.simulation.watch import Watch
 from somo_cli.simulation.world import World, WorldMovedBody, WorldMovedThing
-
-Driven: TypeAlias = Runner | ThingMover
 
 LIVE = 0.05  # s for which a row may wait, but for what passes between two looks
 
@@ -70,12 +69,12 @@ def run(
         )
         if planned.path is not None
     ]
-    driven: list[Driven] = [*runners, *movers]
     begin(plan, world, runners, movers)
     watch = Watch(plan, runners, _given(plan, world, movers))
     recorded = Rows(plan, world, runners, watch, write)
     ending = Ending(plan, world, runners, steps)
     contacts = None if tell is None else ContactWatch(plan.time_step, tell)
+    stepper = Stepper(plan, world, runners, movers, recorded, contacts)
     depths = PenetrationWatch(plan, world) if plan.can_touch else None
     last = ending.steps
     stopped: Stopped | None = None
@@ -83,7 +82,7 @@ def run(
     started = released = clock()
     try:
         while True:
-            _actuate(plan, driven, step)
+            stepper.actuate(step)
             is_look = step % STEPS_BETWEEN_LOOKS == 0
             if is_look or step == last:
                 watch.look(step)
@@ -103,10 +102,10 @@ def run(
             if step >= last:
                 break
             until = _next_stop(plan, step, last)
-            _go(plan, world, runners, driven, step, until, recorded, contacts)
+            stepper.advance(step, until)
             step = until
         if step % plan.every == 0 or plan.ends_in_row:
-            _take_last(world, runners, recorded, step)
+            stepper.take_last(step)
     except BaseException:
         with suppress(OSError):  # a full disk is not to hide what ended the run
             recorded.release()
@@ -148,74 +147,3 @@ def _given(plan: Plan, world: World, movers: Sequence[ThingMover]) -> Callable[[
     """Return what tells the most energy that objects may have added by now."""
     of_things = ThingsEnergy(plan, world.things)
     return lambda: of_things.given() + sum(mover.given() for mover in movers)
-
-
-def _go(
-    plan: Plan,
-    world: World,
-    runners: Sequence[Runner],
-    driven: Sequence[Driven],
-    first: int,
-    until: int,
-    recorded: Rows,
-    contacts: ContactWatch | None,
-) -> None:
-    """Advance from step `first`, whose actuation is set, to step `until`."""
-    advance, every = world.step, plan.every
-    pulls = [runner.pull for runner in runners]
-    counts = [runner.count_step for runner in runners]
-    is_steady = _is_steady(plan, driven, first, until)
-    row = first + -first % every  # the next step with a row
-    pushes = _pushes(runners, first)
-    for step in range(first, until):
-        if not is_steady and step > first:
-            _actuate(plan, driven, step)
-        if step == row:
-            recorded.take(step)
-        for push in pushes:
-            push()
-        if step == first:
-            pushes = _pushes(runners, step + 1)
-        advance()
-        for pull in pulls:
-            pull()
-        if step == row:
-            recorded.complete()
-            row += every
-        if not is_steady:
-            for count in counts:
-                count()
-        if contacts is not None:
-            contacts.look(step + 1, world.touches())
-    for runner in runners:
-        runner.count_work(is_steady)
-
-
-def _take_last(world: World, runners: Sequence[Runner], recorded: Rows, step: int) -> None:
-    """Take the row of the last step; if it needs velocities half a step on, go beyond the end."""
-    recorded.take(step)
-    if recorded.needs_next_step:
-        for push in _pushes(runners, step):
-            push()
-        world.step()
-        for runner in runners:
-            runner.pull()
-    recorded.complete()
-
-
-def _pushes(runners: Sequence[Runner], step: int) -> list[Callable[[], None]]:
-    """Return what applies the torques of a step."""
-    if step % STEPS_BETWEEN_LOOKS == 0:
-        return [runner.push_first for runner in runners]
-    return [runner.push for runner in runners]
-
-
-def _actuate(plan: Plan, driven: Sequence[Driven], step: int) -> None:
-    for one in driven:
-        one.actuate(step * plan.time_step)
-
-
-def _is_steady(plan: Plan, driven: Sequence[Driven], first: int, until: int) -> bool:
-    """Whether no actuation changes after step `first` and before step `until`."""
-    start, end = first * plan.time_step, (until - 1) * plan.time_step
-    return all(one.steady_until(start) > end for one in driven)

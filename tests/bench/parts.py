@@ -19,6 +19,7 @@ from somo_cli.simulation.bullet_body import BulletBody
 from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.runner import Runner
 from somo_cli.simulation.springs import SpringLaw
+from somo_cli.simulation.stepper import Stepper
 from somo_cli.simulation.watch import Watch
 from tests.bench import hand
 from tests.bench import stepping as finger
@@ -31,9 +32,9 @@ PARTS: dict[str, tuple[tuple[type | Any, str], ...]] = {
     "law: corrected torques": ((SpringLaw, "correct"),),
     "law: new inertia": ((SpringLaw, "refresh"), (Runner, "refresh")),
     "looks: whether a correction may be held": ((Runner, "push_first"),),
-    "actuation": ((Runner, "actuate"), (stepping, "_is_steady")),
+    "actuation": ((Runner, "actuate"), (Stepper, "_is_steady")),
     "watch": ((Runner, "measure"), (Runner, "count_step"), (Runner, "count_work"), (Watch, "look")),
-    "loop": ((stepping, "_go"),),
+    "loop": ((Stepper, "advance"),),
 }
 
 
