@@ -9,7 +9,7 @@ import numpy as np
 
 from somo_cli.simulation import columns
 from somo_cli.simulation.plan import Plan
-from somo_cli.simulation.runner import Runner
+from somo_cli.simulation.runner import STEPS_BETWEEN_LOOKS, Runner
 from somo_cli.simulation.springs import Array
 from somo_cli.simulation.taken import RATES, BodyRows, ThingRows
 from somo_cli.simulation.touching import Touch
@@ -42,8 +42,13 @@ class Rows:
         self._write = write
         units = units_of(plan)
         groups, of_things = columns.groups(plan), columns.thing_groups(plan)
+        self._width = len(columns.header(plan))
+        self._most = max(1, min(ROWS, NUMBERS // self._width))
+        room = self._most + STEPS_BETWEEN_LOOKS  # rows are released at looks
         self._bodies = [
-            BodyRows(plan, number, runner, [one for one in groups if one.body == number], units)
+            BodyRows(
+                plan, number, runner, [one for one in groups if one.body == number], units, room
+            )
             for number, runner in enumerate(runners)
         ]
         self._things = [
@@ -53,8 +58,6 @@ class Rows:
         ]
         self._parts: list[BodyRows | ThingRows] = [*self._bodies, *self._things]
         self._completed = [part for part in self._parts if part.has_velocities]
-        self._width = len(columns.header(plan))
-        self._most = max(1, min(ROWS, NUMBERS // self._width))
         kinds = {group.quantity for group in groups} | {group.reading for group in of_things}
         keeps_all = plan.keeps_everything
         self._has_touches = keeps_all or not _TOUCHED.isdisjoint(kinds)
@@ -83,15 +86,16 @@ class Rows:
         """Take the present state for the row of a step."""
         if self._has_touches:
             self._touches.append(self._world.touches() if step > 0 else ())
+        row = len(self._steps)
         for part in self._parts:
-            part.take()
+            part.take(row)
         self._steps.append(step)
 
     def complete(self) -> None:
         """Have the row that was taken last be whole, with velocities of a step later if needed."""
         if self.needs_next_step:
             for part in self._completed:
-                part.complete()
+                part.complete(self._complete)
         self._complete += 1
 
     def release(self) -> None:

@@ -32,10 +32,19 @@ _STILL = (geometry.ZERO, geometry.ZERO)
 
 
 class BodyRows:
-    """The columns of one manipulator, and its states in all rows, for the watch."""
+    """The columns of one manipulator, and its states in all rows, for the watch.
+
+    There is room for `most` rows.
+    """
 
     def __init__(
-        self, plan: Plan, number: int, runner: Runner, groups: Sequence[Group], units: Units
+        self,
+        plan: Plan,
+        number: int,
+        runner: Runner,
+        groups: Sequence[Group],
+        units: Units,
+        most: int,
     ) -> None:
         self._runner = runner
         self._law = runner.law
@@ -51,46 +60,48 @@ class BodyRows:
         self._has_velocity = can_move and "energy" in kinds
         self.has_velocities = not RATES.isdisjoint(kinds)
         """Whether any column needs those of the instant."""
+        self._is_early = self.has_velocities and plan.integrator == "implicit"
         self._has_actuation = "actuation" in kinds
         self._poses = ChainPoses(runner.body.chain)
         self._groups = groups
         # angles and rates, as the law has them one behind the other
         self._motion = runner.law.motion
+        count = len(runner.law.rates)
+        self._motions: Array = np.empty((most, 2 * count))
+        self._rates_after: Array = np.empty((most, count))
+        self._actuation: Array = np.empty((most, count))
         self.clear()
 
     def clear(self) -> None:
         """Forget what was taken."""
-        self._states: list[Array] = []
         self._masses: list[Array] = []
-        self._rates_after: list[Array] = []
-        self._actuation: list[Array] = []
         self._bases: list[Pose] = []
         self._velocities: list[tuple[Vector, Vector]] = []
         self._velocities_after: list[tuple[Vector, Vector]] = []
 
-    def take(self) -> None:
-        """Take the present state."""
+    def take(self, row: int) -> None:
+        """Take the present state for a row."""
         runner = self._runner
-        self._states.append(self._motion.copy())
+        self._motions[row] = self._motion
         self._masses.append(runner.mass)
         if self._has_actuation:
-            self._actuation.append(runner.actuation.copy())
+            self._actuation[row] = runner.actuation
         if self._has_base:
             self._bases.append(runner.world_body.base_pose())
         if self._has_velocity:
             self._velocities.append(runner.world_body.base_velocity())
 
-    def complete(self) -> None:
-        """Take the velocities half a step after the state that was taken last."""
-        self._rates_after.append(self._law.rates.copy())
+    def complete(self, row: int) -> None:
+        """Take the velocities half a step after the state of a row, the last that was taken."""
+        self._rates_after[row] = self._law.rates
         if self._has_velocity:
             self._velocities_after.append(self._runner.world_body.base_velocity())
 
     def past(self, rows: int) -> Past:
         """Return the first so many states, for the watch."""
-        count = len(self._runner.law.angles)
-        states = np.array(self._states[:rows]).reshape(rows, 2 * count)
-        return Past(states[:, :count], states[:, count:], self._masses[:rows])
+        count = len(self._law.rates)
+        motions = self._motions[:rows]
+        return Past(motions[:, :count], motions[:, count:], self._masses[:rows])
 
     def fill(self, table: Array, touches: Sequence[Sequence[Touch]]) -> None:
         """Write the columns, shape (columns, rows), for as many rows as the table has."""
@@ -99,13 +110,13 @@ class BodyRows:
             return
         past = self.past(rows)
         rates = past.rates
-        if self._rates_after:
-            rates = 0.5 * (rates + np.array(self._rates_after[:rows]))
+        if self._is_early:
+            rates = 0.5 * (rates + self._rates_after[:rows])
         states = States(
             self._runner.body,
             past.angles.T,
             rates.T,
-            np.array(self._actuation[:rows]).T,
+            self._actuation[:rows].T,
             self._bases[:rows] or [self._base],
             means(self._velocities[:rows], self._velocities_after) or [_STILL] * rows,
             self._gravity,
@@ -150,8 +161,8 @@ class ThingRows:
         if self._turns is not None:
             self._turns.look(self._thing.pose().rotation)
 
-    def take(self) -> None:
-        """Take the present state."""
+    def take(self, row: int) -> None:
+        """Take the present state for a row."""
         if self._has_pose:
             pose = self._thing.pose()
             self._poses.append(pose)
@@ -160,8 +171,8 @@ class ThingRows:
         if self.has_velocities:
             self._velocities.append(self._thing.velocity())
 
-    def complete(self) -> None:
-        """Take the velocities half a step after the state that was taken last."""
+    def complete(self, row: int) -> None:
+        """Take the velocities half a step after the state of a row, the last that was taken."""
         self._velocities_after.append(self._thing.velocity())
 
     def fill(self, table: Array, touches: Sequence[Sequence[Touch]]) -> None:

@@ -36,7 +36,7 @@ RECORDED: tuple[Quantity, ...] = (
     "spring_torques",
     "link_positions",
 )
-EVERY = (1, 10, 100)
+EVERY = (1, 3, 10, 100)
 CLOCK = time.process_time
 
 
