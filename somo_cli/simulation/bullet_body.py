@@ -67,7 +67,8 @@ class BulletBody:
             spare_near_links(bullet, client, self.index, self.links, body.chain)
         self._com_in_base, self._inertial_in_base = self._base_inertial_frame()
         self.reset(body.start.angles, body.start.rates)
-        self._gravity_in_base = geometry.rotate(geometry.transposed(self._base_axes()), gravity)
+        axes = geometry.transposed(self.centre_pose().rotation)
+        self._gravity_in_base = geometry.rotate(axes, gravity)
         self._is_tilted = max(map(abs, geometry.subtract(gravity, self._gravity_in_base))) > 0
         self._is_plain = body.base == "static" and not self._is_tilted
         if body.base == "constrained":
@@ -89,7 +90,10 @@ class BulletBody:
         return apply if len(joints) <= MANY_JOINTS else apply_to_many
 
     def _make_inverse_dynamics(self) -> Callable[[Sequence[float], Sequence[float]], Array]:
-        """Return the engine's function of positions and rates, those of a base that moves first."""
+        """Return the engine's function of positions and rates, those of a base that moves first.
+
+        Its forces on a base come first as well, angular, then linear.
+        """
         index, client = self.index, self._client
         inverse, read, pack = self._bullet.calculateInverseDynamics, np.frombuffer, self._pack
         rest = [0.0] * self._freedoms
@@ -98,7 +102,12 @@ class BulletBody:
             # seen in 3.2.7: names cost a fifth of a call that short; the zero is for its flags
             return read(pack(*inverse(index, positions, rates, rest, 0, client)))
 
-        return inverse_dynamics
+        # seen in 3.2.7: forces on the base come out as (linear, angular)
+        def with_base(positions: Sequence[float], rates: Sequence[float]) -> Array:
+            told = inverse(index, positions, rates, rest, 0, client)
+            return read(pack(*told[3:6], *told[:3], *told[6:]))
+
+        return inverse_dynamics if self._body.base == "static" else with_base
 
     @property
     def links(self) -> tuple[int, ...]:
@@ -139,41 +148,50 @@ class BulletBody:
         return (reduced + reduced.T) / 2
 
     def bias(
-        self, angles: Sequence[float], rates: Sequence[float], spin: Sequence[float] = ()
+        self,
+        angles: Sequence[float],
+        rates: Sequence[float],
+        spin: Sequence[float] = (),
+        centre: Pose | None = None,
     ) -> Array:
         """Return the forces that gravity and Coriolis terms ask for.
 
         Shape (n,), the joint torques, with the base at rest; for a free base (6 + n,), with the
         torque and the force on its centre of mass first, in its own axes. `spin` [rad/s] is the
-        angular velocity in the world of a base that can move. The gravity is that of the start pose
-        of the base, which makes no difference to what the joints of a free body feel.
+        angular velocity in the world of a base that can move, `centre` its `centre_pose`, for who
+        has asked already. The gravity is that of the start pose of the base, which makes no
+        difference to what the joints of a free body feel.
         """
         if self._is_plain:
             return self._inverse_dynamics(angles, rates)
         if not self._is_tilted:
-            return self._bias(angles, rates, spin)
+            return self._bias(angles, rates, spin, centre)
         # seen in 3.2.7: inverse dynamics takes the base to stand upright, whatever its pose
-        set_gravity = partial(self._bullet.setGravity, physicsClientId=self._client)
-        set_gravity(*self._gravity_in_base)
-        forces = self._bias(angles, rates, spin)
-        set_gravity(*self._gravity)
+        set_gravity = self._bullet.setGravity
+        set_gravity(*self._gravity_in_base, self._client)
+        forces = self._bias(angles, rates, spin, centre)
+        set_gravity(*self._gravity, self._client)
         return forces
 
     def _bias(
-        self, angles: Sequence[float], rates: Sequence[float], spin: Sequence[float]
+        self,
+        angles: Sequence[float],
+        rates: Sequence[float],
+        spin: Sequence[float],
+        centre: Pose | None,
     ) -> Array:
         if self._body.base == "static":
             return self._inverse_dynamics(angles, rates)
-        # seen in 3.2.7: base rates go in as (angular, linear) in the base's own axes, base forces
-        # come out as (linear, angular); linear rates change nothing here
-        in_world = geometry.vector(spin) if len(spin) else geometry.ZERO
-        x, y, z = geometry.rotate(geometry.transposed(self._base_axes()), in_world)
+        # seen in 3.2.7: base rates go in as (angular, linear) in the base's own axes; linear ones
+        # change nothing here
+        x, y, z = geometry.ZERO
+        if spin:
+            axes = geometry.transposed((centre or self.centre_pose()).rotation)
+            x, y, z = geometry.rotate(axes, (spin[0], spin[1], spin[2]))
         forces = self._inverse_dynamics(
             [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, *angles], [x, y, z, 0.0, 0.0, 0.0, *rates]
         )
-        if not self._is_free:
-            return forces[6:]
-        return np.concatenate([forces[3:6], forces[:3], forces[6:]])
+        return forces if self._is_free else forces[6:]
 
     def felt_by_joints(self, forces: Array) -> Array:
         """Return the joint torques, shape (n,), that accelerate the joints as these forces do.
@@ -182,7 +200,7 @@ class BulletBody:
         """
         if not self._is_free:
             return forces
-        felt: Array = forces[6:] - self._base_to_joints @ forces[:6]
+        felt: Array = forces[6:] - self._base_to_joints.dot(forces[:6])
         return felt
 
     def in_base_axes(self, forces: Array) -> Array:
@@ -190,27 +208,27 @@ class BulletBody:
 
         Shape (6 + n,), of a base that can move.
         """
-        axes = np.array(self._base_axes())
+        axes = np.array(self.centre_pose().rotation)
         own = forces.copy()
         own[:3], own[3:6] = forces[:3] @ axes, forces[3:6] @ axes
         return own
 
-    def push_base(self, wrench: Array) -> None:
+    def push_base(self, wrench: Array, centre: Pose | None = None) -> None:
         """Apply a torque and a force, shape (6,), to the base's centre of mass in the next step.
 
-        In the base's own axes, as `bias` gives them.
+        In the base's own axes, as `bias` gives them; `centre` is as there.
         """
-        axes = self._base_axes()
-        torque = geometry.rotate(axes, geometry.vector(wrench[:3]))
-        force = geometry.rotate(axes, geometry.vector(wrench[3:]))
+        at = centre or self.centre_pose()
+        tx, ty, tz, fx, fy, fz = wrench.tolist()
+        torque, force = (geometry.rotate(at.rotation, one) for one in ((tx, ty, tz), (fx, fy, fz)))
         bullet, client, world = self._bullet, self._client, self._bullet.WORLD_FRAME
-        centre, _ = bullet.getBasePositionAndOrientation(self.index, client)
-        bullet.applyExternalForce(self.index, -1, force, centre, world, physicsClientId=client)
-        bullet.applyExternalTorque(self.index, -1, torque, world, physicsClientId=client)
+        bullet.applyExternalForce(self.index, -1, force, at.position, world, client)
+        bullet.applyExternalTorque(self.index, -1, torque, world, client)
 
-    def _base_axes(self) -> geometry.Matrix:
-        _, orientation = self._bullet.getBasePositionAndOrientation(self.index, self._client)
-        return geometry.rotation_from_quaternion(orientation)
+    def centre_pose(self) -> Pose:
+        """Return the pose in the world of the base's centre of mass, along its principal axes."""
+        centre, orientation = self._bullet.getBasePositionAndOrientation(self.index, self._client)
+        return Pose(centre, geometry.rotation_from_quaternion(orientation))
 
     def base_pose(self) -> Pose:
         """Return the pose in the world of the base's URDF frame; the engine tells the centre's."""

@@ -93,19 +93,20 @@ class FreeRunner(Runner):
         if law.can_be_struck:
             turned, self._turned = carried_on(turned, self._turned, SUDDEN / law.time_step), turned
         coming_spin = (self._spin + 0.5 * turned).tolist()
-        present = world.bias(angles, law.rates.tolist(), self._spin.tolist())
-        change: Array = np.zeros_like(present)
+        centre = world.centre_pose()
+        present = world.bias(angles, law.rates.tolist(), self._spin.tolist(), centre)
+        change: Array = np.empty(len(present))
 
         def felt_at(rates: Array) -> Array:
-            coming = world.bias(angles, rates.tolist(), coming_spin)
+            coming = world.bias(angles, rates.tolist(), coming_spin, centre)
             np.subtract(present, coming, change)
             return world.felt_by_joints(coming)
 
         torques = law.correct(world.felt_by_joints(present), felt_at)
-        beyond = change[6:] - world.felt_by_joints(change)
+        beyond = change[6:] - law.correction  # of which the law knows what the joints feel
         wrench = change[:6]
         if self.loads is not None:
             wrench += self._wrench
             beyond += self._beyond
-        world.push_base(wrench)
+        world.push_base(wrench, centre)
         world.apply((beyond + torques).tolist())

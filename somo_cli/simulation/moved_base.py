@@ -126,11 +126,12 @@ class MovedRunner(Runner):
         # at the instant of the angles the base is half a step on
         spin = (0.5 * (self._before[:3] + self._after[:3])).tolist()
         pull = self._pull()
-        present = world.bias(angles, law.rates.tolist(), self._before[:3].tolist())
+        centre = world.centre_pose()
+        present = world.bias(angles, law.rates.tolist(), self._before[:3].tolist(), centre)
         if law.bias is None:  # the last step was one of a base at rest
             law.bias = present
         torques = law.correct(
-            present + pull, lambda rates: world.bias(angles, rates.tolist(), spin) + pull
+            present + pull, lambda rates: world.bias(angles, rates.tolist(), spin, centre) + pull
         )
         world.apply(torques)
 

@@ -24,9 +24,16 @@ class WorldBody(Protocol):
         """Return the joint-space inertia, shape (n, n)."""
 
     def bias(
-        self, angles: Sequence[float], rates: Sequence[float], spin: Sequence[float] = ()
+        self,
+        angles: Sequence[float],
+        rates: Sequence[float],
+        spin: Sequence[float] = (),
+        centre: Pose | None = None,
     ) -> Array:
-        """Return the forces that gravity and Coriolis terms ask for, on a free base as well."""
+        """Return the forces that gravity and Coriolis terms ask for, on a free base as well.
+
+        With `centre`, the `centre_pose` of a base that can move, that need not be asked for.
+        """
 
     def felt_by_joints(self, forces: Array) -> Array:
         """Return the joint torques that accelerate the joints as these forces do, shape (n,)."""
@@ -34,8 +41,11 @@ class WorldBody(Protocol):
     def in_base_axes(self, forces: Array) -> Array:
         """Return forces, shape (6 + n,), in the world's axes on the base, in the base's own."""
 
-    def push_base(self, wrench: Array) -> None:
+    def push_base(self, wrench: Array, centre: Pose | None = None) -> None:
         """Apply a torque and a force to the base during the next step, in its own axes."""
+
+    def centre_pose(self) -> Pose:
+        """Return the pose in the world of the base's centre of mass, along its principal axes."""
 
     def base_pose(self) -> Pose:
         """Return the pose of the base frame in the world."""

@@ -71,7 +71,11 @@ class FakeBody:
         return INERTIA * np.eye(len(angles))
 
     def bias(
-        self, angles: Sequence[float], rates: Sequence[float], spin: Sequence[float] = ()
+        self,
+        angles: Sequence[float],
+        rates: Sequence[float],
+        spin: Sequence[float] = (),
+        centre: Pose | None = None,
     ) -> np.ndarray:
         return np.zeros(len(angles))
 
@@ -81,8 +85,11 @@ class FakeBody:
     def in_base_axes(self, forces: np.ndarray) -> np.ndarray:
         raise AssertionError("a base that cannot move has no axes of interest")
 
-    def push_base(self, wrench: np.ndarray) -> None:
+    def push_base(self, wrench: np.ndarray, centre: Pose | None = None) -> None:
         raise AssertionError("a base that cannot move is not pushed")
+
+    def centre_pose(self) -> Pose:
+        raise AssertionError("a base that cannot move is where it was")
 
     def base_pose(self) -> Pose:
         return Pose()
