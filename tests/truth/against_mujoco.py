@@ -37,7 +37,7 @@ TENTH = 0.1  # s between two looks
 TARGETS = (1e-3, 3e-4, 1e-4, 3e-5, 1e-5)  # rad
 STEPS = (2e-2, 1.25e-2, 1e-2, 5e-3, 2.5e-3, 1.25e-3, 6.25e-4, 3.125e-4, 1.5625e-4)  # s, ours
 FINER = (2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5)  # s, MuJoCo's
-CLASSIC = (3.125e-4, 1.5625e-4, 6.25e-5, 2e-5, 1e-5)  # s, of the loop that users write
+CLASSIC = (3.125e-4, 1.5625e-4, 6.25e-5, 2e-5, 1e-5, 5e-6)  # s, of the loop that users write
 PEERS = ("implicitfast", "implicit", "discrete", "RK4")  # the last is explicit
 
 
