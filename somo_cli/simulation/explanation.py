@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from somo_cli.simulation import columns, savings
 from somo_cli.simulation.penetration import steps_between_looks
-from somo_cli.simulation.plan import Plan
+from somo_cli.simulation.plan import Plan, needs_engine_limits
 from somo_cli.simulation.runner import CALM_REFRESH, STEPS_BETWEEN_LOOKS, SWIFT_REFRESH
 
 _FORCES = frozenset({"contact_force", "contact_pairs", "link_contact_forces"})
@@ -142,8 +142,12 @@ def _of_limits(plan: Plan) -> Decision:
         return Decision(what, False, "no joint has any")
     have = f"{_count(limited, 'joint')} with limits"
     if any(body.has_engine_limits for body in plan.bodies):
+        needs = (
+            needs_engine_limits(plan.can_touch, plan.integrator, body.base) for body in plan.bodies
+        )
+        asked = "" if any(needs) else ", asked for, though the law stops them"
         # seen in 3.2.7: a limit has a row only while its joint is beyond it
-        return Decision(what, True, f"{have}, a row only beyond one")
+        return Decision(what, True, f"{have}, a row only beyond one{asked}")
     # the engine has two rows in mind for each, and sorts and asks them in every step
     return Decision(
         what, False, f"{have}, at which the law stops them", f"{limited} constraints in every step"
@@ -174,14 +178,14 @@ def _of_state(plan: Plan) -> Iterator[Decision]:
     else:
         saves = "their list for every row" if plan.can_touch else None
         yield _unless_asked(plan, what, "no column needs them", saves)
-    # with the implicit law velocities live at half steps, so a row needs the step after it
+    # with the implicit law velocities live at half steps, so a row needs those of the step after it
     halves = plan.integrator == "implicit"
-    what = "the step after a recorded one, by itself"
+    what = "velocities of the step after a row"
     if halves and not _VELOCITIES.isdisjoint(both):
         yield Decision(what, True, "columns need velocities")
     elif halves:
-        saves = "a stop of the loop for every row" if plan.every > 1 else None
-        yield _unless_asked(plan, what, "no column needs velocities between steps", saves)
+        why, saves = "no column needs velocities between steps", "a step beyond the last row"
+        yield _unless_asked(plan, what, why, saves)
     else:
         yield Decision(what, False, "no column needs velocities between steps")
     ends = bool(plan.stops)

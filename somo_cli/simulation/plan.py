@@ -174,11 +174,7 @@ def make_plan(scene: Scene, keeps_everything: bool = False) -> Plan:
                 scene.scale,
                 can_touch or keeps_everything,
                 keeps_everything,
-                # pushed by what moves, joints get beyond where the law alone would stop them
-                can_touch
-                or keeps_everything
-                or scene.integrator == "explicit"
-                or one.base != "static",
+                keeps_everything or needs_engine_limits(can_touch, scene.integrator, one.base),
                 keeps_everything,
             )
             for one in scene.manipulators
@@ -196,6 +192,14 @@ def make_plan(scene: Scene, keeps_everything: bool = False) -> Plan:
         can_touch=can_touch,
         keeps_everything=keeps_everything,
     )
+
+
+def needs_engine_limits(can_touch: bool, integrator: Integrator, base: Base) -> bool:
+    """Whether the law alone would not stop the joints of a body at their limits.
+
+    Pushed by what moves, they get beyond, and the explicit law stops none.
+    """
+    return can_touch or integrator == "explicit" or base != "static"
 
 
 def _body(

@@ -48,7 +48,7 @@ def test_each_reason_is_that_of_the_scene() -> None:
     assert found["collision shapes"] == (True, "1 manipulator, 1 object, the ground can touch")
     assert found["engine parameters for rebounds"] == (True, "a restitution is above 0")
     assert found["contact points of recorded steps"] == (True, "columns need them")
-    assert found["the step after a recorded one, by itself"] == (True, "columns need velocities")
+    assert found["velocities of the step after a row"] == (True, "columns need velocities")
     assert found["looks at what ends the run"] == (True, "1 condition of stop")
     assert found["recorded state"] == (True, "contact_force, energy, every 5 steps")
     assert found["collisions within a manipulator"] == (False, "self_collision is off")
@@ -79,7 +79,7 @@ def test_what_is_saved_of_one_manipulator_alone() -> None:
         # 4 of each joint, 3 + 4 of each link's pose, 7 of the base's, 3 of the tip, 3 energies,
         # 1 axis, and of contact 4 in all and 8 of each link
         "recorded state": "69 of 71 columns in every row and all of them in 4 of 5 steps",
-        "the step after a recorded one, by itself": "a stop of the loop for every row",
+        "velocities of the step after a row": "a step beyond the last row",
         "looks at what ends the run": "a look every 8 steps",
     }
 
@@ -117,6 +117,21 @@ def test_motor_rows_are_kept_where_asked_for() -> None:
     ]
     of_all = "dry friction of 2 joints, one row each"
     assert told(rubbing) == [Decision(what, True, of_all)] * 2
+
+
+def test_limits_are_kept_where_needed_or_asked_for() -> None:
+    what = "joint limits in the engine"
+
+    def told(keeps_everything: bool, **more: object) -> str:
+        scene = scene_from_text(json.dumps(ALONE | more))
+        plan = make_plan(scene, keeps_everything)
+        return next(one.why for one in explain(plan) if one.what == what)
+
+    within = "2 joints with limits, a row only beyond one"
+    assert told(False) == "2 joints with limits, at which the law stops them"
+    assert told(True) == f"{within}, asked for, though the law stops them"
+    assert told(False, ground={}) == told(True, ground={}) == within
+    assert told(False, integrator="explicit") == told(True, integrator="explicit") == within
 
 
 def test_pairs_that_are_spared_are_counted() -> None:
