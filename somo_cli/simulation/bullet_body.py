@@ -20,7 +20,7 @@ from somo_cli.simulation.bullet_self import spare_near_links
 from somo_cli.simulation.bullet_surface import settings
 from somo_cli.simulation.plan import Body
 from somo_cli.simulation.readback import EngineJoint, EngineLink, mismatches
-from somo_cli.simulation.springs import Array
+from somo_cli.simulation.springs import Array, invert
 
 MANY_JOINTS = 40  # for more of them it takes longer to read numbers for nothing than names
 UNLIMITED_RATE = 1e12  # rad/s; the engine's own clamp of 100 hides divergence
@@ -143,8 +143,8 @@ class BulletBody:
         self._across = across
         if not self._is_free:
             return joints
-        self._base_to_joints = np.asarray(np.linalg.solve(base, across).T)
-        reduced: Array = joints - self._base_to_joints @ across
+        self._base_to_joints = across.T.dot(invert(base))
+        reduced: Array = joints - self._base_to_joints.dot(across)
         return (reduced + reduced.T) / 2
 
     def bias(
