@@ -217,7 +217,7 @@ class SpringLaw:
             resolvents *= self._products
             numerical, stiff = resolvents
             damping = self._damping + numerical
-            implicit = self._centred + 0.5 * self.time_step * numerical
+            implicit = self._centred + self._half_step * numerical
             implicit += stiff
         else:
             damping, implicit = self._damping, self._centred
