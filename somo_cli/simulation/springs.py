@@ -69,6 +69,10 @@ from somo_cli.simulation.scene import Integrator
 
 Array: TypeAlias = npt.NDArray[np.float64]
 
+# seen in 2.4: around ten joints, what numpy puts around its own inverse costs more than that; where
+# a matrix is singular this one gives numbers that are none, which the watch tells
+invert: Callable[[Array], Array] = getattr(np.linalg, "_umath_linalg", np.linalg).inv
+
 BETA = 1 / 12  # of the spring in modes that the step resolves; Cowell's method
 STIFF = 5 / 12  # what is added to it in modes that the step does not resolve: 1/2 in all
 DAMPER = 1 / 12  # of x² in B: Padé
@@ -193,7 +197,7 @@ class SpringLaw:
             np.negative(damping, self._own_by_rates)
         np.divide(mass, self._step, self._force_by_rates)
         np.negative(self._force_by_rates, self._force_by_previous)
-        self._response = np.asarray(np.linalg.inv(mass + self._implicit), dtype=np.float64)
+        self._response = invert(mass + self._implicit)
         self._is_laid_out = False
 
     def _lay_out(self) -> None:
@@ -213,7 +217,7 @@ class SpringLaw:
         """Return D + N [N·m·s/rad] and B [kg·m²] for an inertia M, all of shape (n, n)."""
         if self.integrator == "implicit":
             # the two resolvents at once, because numpy's calls cost more than their work
-            resolvents = np.linalg.inv(mass + self._shares)
+            resolvents = invert(mass + self._shares)
             resolvents *= self._products
             numerical, stiff = resolvents
             damping = self._damping + numerical

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from somo_cli.simulation.springs import SUDDEN, Array, SpringLaw, Springs, carried_on
+from somo_cli.simulation.springs import SUDDEN, Array, SpringLaw, Springs, carried_on, invert
 
 H = 1e-2
 RANDOM = np.random.default_rng(7)
@@ -110,6 +110,13 @@ def test_a_held_correction_goes_on_as_it_grew_and_the_bias_as_it_fell() -> None:
             torques = hold()
             assert torques == pytest.approx(expected)
             v_prev, tau_prev = v, np.array(torques)
+
+
+def test_a_singular_matrix_has_no_inverse_and_stops_nothing() -> None:
+    with np.errstate(invalid="ignore"):
+        singular, regular = invert(np.array([np.zeros((2, 2)), [[2.0, 1.0], [1.0, 1.0]]]))
+    assert np.isnan(singular).all()
+    assert regular == pytest.approx(np.array([[1.0, -1.0], [-1.0, 2.0]]))
 
 
 @pytest.mark.parametrize("integrator", ["implicit", "euler", "explicit"])
