@@ -62,13 +62,7 @@ def run(
     before it have been written.
     """
     runners = [_runner(plan, world, number) for number, _ in enumerate(plan.bodies)]
-    movers = [
-        ThingMover(plan, planned, planned.path, cast(WorldMovedThing, thing), _met(world, number))
-        for number, (planned, thing) in enumerate(
-            zip(plan.things, world.things, strict=True), start=len(plan.bodies)
-        )
-        if planned.path is not None
-    ]
+    movers = _movers(plan, world)
     begin(plan, world, runners, movers)
     watch = Watch(plan, runners, _given(plan, world, movers))
     recorded = Rows(plan, world, runners, watch, write)
@@ -76,6 +70,7 @@ def run(
     contacts = None if tell is None else ContactWatch(plan.time_step, tell)
     stepper = Stepper(plan, world, runners, movers, recorded, contacts)
     depths = PenetrationWatch(plan, world) if plan.can_touch else None
+    between = _steps_between_looks(plan)
     last = ending.steps
     stopped: Stopped | None = None
     step = 0
@@ -88,7 +83,7 @@ def run(
                 watch.look(step)
             if depths is not None:
                 depths.look(step)
-                if step % _steps_between_looks(plan) == 0:  # not at the end: it changes nothing
+                if step % between == 0:  # not at the end: it changes nothing
                     world.heed_contacts()
             advance(step)
             if is_look:
@@ -101,7 +96,7 @@ def run(
                 last = step
             if step >= last:
                 break
-            until = _next_stop(plan, step, last)
+            until = min(_next(STEPS_BETWEEN_LOOKS, step), _next(between, step), last)
             stepper.advance(step, until)
             step = until
         if step % plan.every == 0 or plan.ends_in_row:
@@ -116,18 +111,16 @@ def run(
     return Summary(last, recorded.written, taken, stopped or ending.at(step), deepest)
 
 
-def _next_stop(plan: Plan, step: int, last: int) -> int:
-    """Return the next step with a look, or the last one."""
-    between = _steps_between_looks(plan)
-    next_look = step - step % STEPS_BETWEEN_LOOKS + STEPS_BETWEEN_LOOKS
-    return min(next_look, step - step % between + between, last)
-
-
 def _steps_between_looks(plan: Plan) -> int:
     """Return how many steps may pass between two looks at contact."""
     if not plan.can_touch:
         return STEPS_BETWEEN_LOOKS
     return steps_between_looks(plan.time_step, STEPS_BETWEEN_LOOKS)
+
+
+def _next(steps: int, step: int) -> int:
+    """Return the next multiple of so many steps after a step."""
+    return step - step % steps + steps
 
 
 def _runner(plan: Plan, world: World, number: int) -> Runner:
@@ -136,6 +129,16 @@ def _runner(plan: Plan, world: World, number: int) -> Runner:
         moved = cast(WorldMovedBody, world_body)
         return MovedRunner(plan, body, moved, body.path, _met(world, number))
     return (FreeRunner if body.base == "free" else Runner)(plan, body, world_body)
+
+
+def _movers(plan: Plan, world: World) -> list[ThingMover]:
+    return [
+        ThingMover(plan, planned, planned.path, cast(WorldMovedThing, thing), _met(world, number))
+        for number, (planned, thing) in enumerate(
+            zip(plan.things, world.things, strict=True), start=len(plan.bodies)
+        )
+        if planned.path is not None
+    ]
 
 
 def _met(world: World, number: int) -> Callable[[], Sequence[float]]:
