@@ -67,6 +67,21 @@ def height(solid: AnySolid) -> float:
     return 2 * solid.radius
 
 
+def circumradius(solid: AnySolid) -> float:
+    """Return how far from the origin of its frame the farthest point of a solid is."""
+    if isinstance(solid, Hull):
+        return max(map(geometry.norm, solid.vertices))
+    if isinstance(solid, Capsule):
+        return solid.length / 2 + solid.radius
+    if isinstance(solid, RoundedBox):
+        return geometry.norm(solid.core) + solid.radius
+    if isinstance(solid, Box):
+        return geometry.norm(solid.size) / 2
+    if isinstance(solid, Cylinder):
+        return math.hypot(solid.length / 2, solid.radius)
+    return solid.radius
+
+
 def volume(solid: Solid | Capsule | RoundedBox) -> float:
     """Return the volume."""
     if isinstance(solid, Capsule | RoundedBox):

@@ -58,7 +58,13 @@ def _of_shapes(plan: Plan) -> Iterator[Decision]:
         parts += ["the ground"] if plan.ground is not None else []
         yield Decision(what, True, f"{', '.join(parts)} can touch")
     else:
-        why = "one manipulator, no ground, no objects, self_collision off: nothing can touch"
+        is_alone = len(plan.bodies) == 1 and not plan.things and plan.ground is None
+        what_is = (
+            "one manipulator, no ground, no objects"
+            if is_alone
+            else "all of it out of reach of each other, wherever joints go"
+        )
+        why = f"{what_is}, self_collision off: nothing can touch"
         if plan.keeps_everything:
             yield Decision(what, True, f"asked for, though {why}")
         else:

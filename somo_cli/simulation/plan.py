@@ -18,7 +18,7 @@ from somo_cli.manipulator.dimensions import (
 )
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
-from somo_cli.simulation import compound, signal
+from somo_cli.simulation import compound, reach, signal
 from somo_cli.simulation.actuation import Actuation
 from somo_cli.simulation.compound import Compound
 from somo_cli.simulation.motion import Motion, Path
@@ -135,7 +135,7 @@ class Plan:
     things: tuple[PlannedThing, ...]
     of_things: tuple[Reading, ...]
     can_touch: bool
-    """Whether there is anything that a body could touch, itself included."""
+    """Whether there is anything within reach that a body could touch, itself included."""
     only: tuple[str, ...] = ()
     stops: tuple[Stop, ...] = ()
     ends_in_row: bool = False
@@ -157,11 +157,7 @@ def make_plan(scene: Scene, keeps_everything: bool = False) -> Plan:
     needs.
     """
     acceleration = scene.scale.factor(Dimension(length=1, time=-2))
-    can_touch = (
-        len(scene.manipulators) + len(scene.things) > 1
-        or scene.ground is not None
-        or any(one.collides_with_itself for one in scene.manipulators)
-    )
+    can_touch = reach.can_touch(scene)
     gx, gy, gz = scene.gravity
     return Plan(
         scale=scene.scale,

@@ -8,7 +8,9 @@ import trimesh
 
 from somo_cli.manipulator import geometry, solids
 from somo_cli.manipulator.geometry import Tensor
-from somo_cli.manipulator.solids import Box, Cylinder, Inertial, Solid, Sphere
+from somo_cli.manipulator.hull import Hull
+from somo_cli.manipulator.round_solids import Capsule, RoundedBox
+from somo_cli.manipulator.solids import Box, Cylinder, Inertial, Solid, Sphere, circumradius
 
 SOLIDS = [Box((0.023, 0.017, 0.02)), Cylinder(0.03, 0.01), Sphere(0.015)]
 
@@ -24,6 +26,20 @@ def mesh_of(solid: Solid) -> trimesh.Trimesh:
 def full(tensor: Tensor) -> np.ndarray:
     xx, xy, xz, yy, yz, zz = tensor
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def test_the_farthest_points_of_solids() -> None:
+    box = Box((0.2, 0.4, 0.4))
+    assert circumradius(box) == pytest.approx(0.3)
+    assert circumradius(Cylinder(0.6, 0.4)) == pytest.approx(0.5)
+    assert circumradius(Sphere(0.7)) == 0.7
+    assert circumradius(Capsule(0.6, 0.4)) == pytest.approx(0.7)
+    assert circumradius(RoundedBox(box.size, 0.0)) == pytest.approx(0.3)
+    # the ball in each corner, whose centre is at (0, 0.1, 0.1)
+    assert circumradius(RoundedBox(box.size, 0.1)) == pytest.approx(0.1 + math.hypot(0.1, 0.1))
+    corners = ((0.0, 0.0, 0.0), (0.3, 0.0, 0.0), (0.0, 0.4, 0.3), (0.0, 0.0, 0.2))
+    faces = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
+    assert circumradius(Hull(corners, faces)) == pytest.approx(0.5)
 
 
 def test_heights() -> None:

@@ -1,0 +1,57 @@
+"""Whether anything in a scene can ever touch anything, told by how far its parts reach."""
+
+from __future__ import annotations
+
+import itertools
+
+from somo_cli.manipulator import geometry, solids
+from somo_cli.manipulator.chain import Chain
+from somo_cli.manipulator.dimensions import Dimension
+from somo_cli.simulation.placing import placed
+from somo_cli.simulation.scene import Scene
+
+CLEAR = 0.02  # engine units; seen in 3.2.7: contact begins 0.004 units before shapes meet
+
+
+def can_touch(scene: Scene) -> bool:
+    """Whether two parts of a scene may come to touch, wherever their joints go.
+
+    False only where no two can: every base is static, every object fixed, and the balls in which
+    manipulators are whatever their joints do are clear of each other, of objects and of the ground.
+    """
+    if any(one.collides_with_itself for one in scene.manipulators):
+        return True
+    things = placed(scene.things, scene.ground)
+    if len(scene.manipulators) == 1 and not things and scene.ground is None:
+        return False
+    if any(one.base != "static" for one in scene.manipulators):
+        return True
+    if not all(thing.is_fixed for thing in things):
+        return True
+    clear = CLEAR / scene.scale.factor(Dimension(length=1))
+    balls = [(one.position, reach(one.compiled.chain) + clear) for one in scene.manipulators]
+    others = [(thing.position, reach(thing.chain)) for thing in things]
+    if scene.ground is not None and any(
+        centre[2] - radius < scene.ground.height for centre, radius in balls
+    ):
+        return True
+    pairs = [*itertools.combinations(balls, 2), *itertools.product(balls, others)]
+    return any(
+        geometry.norm(geometry.subtract(one, other)) < radius + other_radius
+        for (one, radius), (other, other_radius) in pairs
+    )
+
+
+def reach(chain: Chain) -> float:
+    """Return how far from its base frame's origin any shape of a chain can get [m], at most."""
+    ways = [0.0]
+    for joint in chain.joints:
+        ways.append(ways[joint.parent] + geometry.norm(joint.origin))
+    return max(
+        (
+            way + geometry.norm(shape.position) + solids.circumradius(shape.solid)
+            for way, link in zip(ways, chain.links, strict=True)
+            for shape in link.shapes
+        ),
+        default=0.0,
+    )
