@@ -132,7 +132,7 @@ def test_a_finding_is_about_the_part_of_the_limb(somo: Somo, here: Path) -> None
     (here / "tiny.yaml").write_text(tiny, "utf-8")
     pair = PAIR.replace("right, definition: finger.yaml", "right, definition: tiny.yaml")
     (here / "pair.yaml").write_text(pair, "utf-8")
-    scene = "manipulators: [{definition: pair.yaml, position: [0, 0, 1]}]\nground: {}\n"
+    scene = "manipulators: [{definition: pair.yaml, position: [0, 0, 0.1]}]\nground: {}\n"
     (here / "small.yaml").write_text(scene, "utf-8")
     done = somo("check", "--numerics", "--json", here / "small.yaml")
     (found,) = (

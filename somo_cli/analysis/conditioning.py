@@ -20,7 +20,7 @@ from somo_cli.simulation.vibration import FROZEN, inertia_felt
 
 MASS_RATIO = 1e3  # between neighbours: beyond, rounding takes three digits of the lighter one
 SMALLEST = 0.1  # engine units; Bullet's collision margins are 0.04
-LARGEST_INERTIA = 1.0  # engine units, in turned axes; see BulletBody.mass_matrix
+LARGEST_INERTIA = 1.0  # engine units, in turned axes; see BulletDynamics.mass_matrix
 MANY_JOINTS = 100
 
 

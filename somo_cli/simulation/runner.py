@@ -138,7 +138,7 @@ class Runner:
         law = self.law
         if self._is_heavy:
             # with looks, not with the mass: any such part of B is as good as a fresh one
-            law.take_pendulum(pendulum(self._pose(), self._gravity), self.mass)
+            law.parts.take_pendulum(pendulum(self._pose(), self._gravity), self.mass)
         self.refresh_if_moved()
         if law.integrator == "explicit":
             self.push()
@@ -289,7 +289,7 @@ class Runner:
         self._freshness = min(1.0, STALE / change) if change > 0 else 1.0
         self._refresh_angle = self._freshness * SWIFT_REFRESH
         if self._is_heavy:
-            self.law.take_pendulum(pendulum(self._pose(), self._gravity), self.mass)
+            self.law.parts.take_pendulum(pendulum(self._pose(), self._gravity), self.mass)
             self.refresh()
 
     def begin(self, force: Array, rates: Array) -> None:

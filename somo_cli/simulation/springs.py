@@ -65,20 +65,13 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from somo_cli.simulation.implicit_parts import ImplicitParts, invert
 from somo_cli.simulation.scene import Integrator
 
 Array: TypeAlias = npt.NDArray[np.float64]
 
-# seen in 2.4: around ten joints, what numpy puts around its own inverse costs more than that; where
-# a matrix is singular this one gives numbers that are none, which the watch tells
-invert: Callable[[Array], Array] = getattr(np.linalg, "_umath_linalg", np.linalg).inv
-
-BETA = 1 / 12  # of the spring in modes that the step resolves; Cowell's method
-STIFF = 5 / 12  # what is added to it in modes that the step does not resolve: 1/2 in all
-DAMPER = 1 / 12  # of x² in B: Padé
 BLOW = 2.0  # times the change of the step before: a larger one is a blow's
 SUDDEN = 5e-3  # rad: what a rate's change in a step, times the step, is below in smooth motion
-FILTER = 0.02  # ε: modes with h ω beyond 1/√ε are damped by the method
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,11 +128,10 @@ class SpringLaw:
         self.can_be_struck = False
         """Whether blows are to be told from smooth motion."""
         self._last_coming: Array | None = None
-        self._pendulum: tuple[Array, Array] | None = None  # of D + N and of B; None if resolved
         self._mass: Array | None = None
-        self._prepare()
+        self.parts = ImplicitParts(springs, time_step, integrator)
         self._response: Array = np.zeros((n, n))  # (M + B)⁻¹
-        self._implicit: Array = self._centred
+        self._implicit = self.parts.centred
         self._at_rest: Array = springs.stiffness * springs.neutral
         self._torques: Array = np.zeros(n)
         # as arrays, which numpy multiplies by in half of the time that it takes to read a number
@@ -162,7 +154,7 @@ class SpringLaw:
         self._own: Array = np.zeros((3 * n + 1, n))
         self._own[0] = self._at_rest
         by_actuation, by_angles, self._own_by_rates = _blocks(self._own[1:], 3)
-        by_actuation[:], self._own_by_rates[:] = unit, -self._damping
+        by_actuation[:], self._own_by_rates[:] = unit, -self.parts.damping
         by_angles[:] = np.diag(-self.springs.stiffness)
         self._state_of_own = self.state[1 : 3 * n + 2]
         # f, of v, v_prev and τ_prev
@@ -193,7 +185,7 @@ class SpringLaw:
             self._previous_torques += (mass - self._mass).dot(change) / self._step
         self._mass = mass
         if is_far:
-            damping, self._implicit = self.implicit_parts(mass)
+            damping, self._implicit = self.parts.of(mass)
             np.negative(damping, self._own_by_rates)
         np.divide(mass, self._step, self._force_by_rates)
         np.negative(self._force_by_rates, self._force_by_previous)
@@ -212,51 +204,6 @@ class SpringLaw:
         self._own_by_rates.dot(rest, by_rates)
         np.subtract(by_rates, by_previous, by_rates)
         self._is_laid_out = True
-
-    def implicit_parts(self, mass: Array) -> tuple[Array, Array]:
-        """Return D + N [N·m·s/rad] and B [kg·m²] for an inertia M, all of shape (n, n)."""
-        if self.integrator == "implicit":
-            # the two resolvents at once, because numpy's calls cost more than their work
-            resolvents = invert(mass + self._shares)
-            resolvents *= self._products
-            numerical, stiff = resolvents
-            damping = self._damping + numerical
-            implicit = self._centred + self._half_step * numerical
-            implicit += stiff
-        else:
-            damping, implicit = self._damping, self._centred
-        if self._pendulum is not None:
-            damping = damping + self._pendulum[0]
-            implicit = implicit + self._pendulum[1]
-        return damping, implicit
-
-    def take_pendulum(self, stiffness: Array, mass: Array) -> None:
-        """Take the positive part of gravity's stiffness G, shape (n, n), from the next M on."""
-        h = self.time_step
-        numerical = h * stiffness
-        if self.integrator == "implicit":
-            share = FILTER * h * h * stiffness
-            numerical = numerical @ np.linalg.solve(mass + share, share)
-        self._pendulum = numerical, 0.5 * h * (numerical + h * stiffness)
-
-    def _prepare(self) -> None:
-        """Lay down what of D + N and B no inertia changes.
-
-        Of O (M + S)⁻¹ S with diagonals O and S, what is to be added to M and what the inverse is to
-        be multiplied by, number by number; once for N, once for the stiff part of B.
-        """
-        h, k, d = self.time_step, self.springs.stiffness, self.springs.damping
-        self._damping: Array = np.diag(d + h * k if self.integrator == "euler" else d)
-        self._centred: Array = np.zeros_like(self._damping)
-        if self.integrator == "euler":
-            self._centred = h * self._damping
-        elif self.integrator == "implicit":
-            self._centred = np.diag(BETA * h * h * k + 0.5 * h * d)
-        # from P M⁻¹ P / 12 in slow modes to P / 2 in stiff ones: the other halves of h D and h² K
-        p = h * d + 2 * STIFF * h * h * k
-        pairs = ((h * k, FILTER * h * h * k), (0.5 * p, 2 * DAMPER * p))
-        self._shares: Array = np.array([np.diag(share) for _, share in pairs])
-        self._products: Array = np.array([np.outer(outer, share) for outer, share in pairs])
 
     def measure(self, force: Array, bias: Array | None = None) -> None:
         """Take f, the generalised force on the joints that is not ours, as the last step's.
@@ -350,7 +297,7 @@ class SpringLaw:
 
     def acceleration(self, mass: Array, force: Array) -> Array:
         """Return a = (M + B)⁻¹ (f + s) at the present state, shape (n,) [rad/s²]."""
-        damping, implicit = self.implicit_parts(mass)
+        damping, implicit = self.parts.of(mass)
         springs = self.springs.stiffness * (self.angles - self.springs.neutral)
         s = self.actuation - springs - damping @ self.rates
         return np.asarray(np.linalg.solve(mass + implicit, force + s), dtype=np.float64)

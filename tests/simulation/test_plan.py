@@ -100,7 +100,7 @@ def test_the_engine_knows_limits_where_the_law_alone_may_miss_them() -> None:
     assert "revolute" not in body.urdf
     (free,) = plan(alone | {"base": "free"}).bodies
     (explicit,) = plan(alone, integrator="explicit").bodies
-    (pushed,) = plan(alone, ground={"height": -9}).bodies
+    (pushed,) = plan(alone, ground={"height": 0}).bodies
     assert all(one.has_engine_limits for one in (free, explicit, pushed))
     assert not any(one.has_idle_motors for one in (body, free, explicit, pushed))
 

@@ -70,7 +70,7 @@ def test_first_order_laws_begin_with_the_rates_of_the_start(integrator: str) -> 
 def test_the_implicit_law_begins_half_a_step_earlier() -> None:
     runner, _, _ = begun("implicit", load=1.5)
     # a = (M + B)⁻¹ (f + u - K (q - q0) - (D + N) v)
-    ((damping,),), ((implicit,),) = runner.law.implicit_parts(np.full((1, 1), INERTIA))
+    ((damping,),), ((implicit,),) = runner.law.parts.of(np.full((1, 1), INERTIA))
     force = 1.5 + 1.0 - STIFFNESS * (0.3 - NEUTRAL) - damping * 2.0
     half_change = 0.5 * STEP * force / (INERTIA + implicit)
     assert runner.law.rates == pytest.approx([2.0 - half_change], abs=1e-13)

@@ -46,7 +46,7 @@ def holding(law: SpringLaw) -> Callable[[], list[float]]:
 def plain_torques(law: SpringLaw, mass: np.ndarray, q, v, v_prev, tau_prev, u) -> np.ndarray:
     """Return τ by the formulas of the module's docstring, one after the other."""
     k, q0 = law.springs.stiffness, law.springs.neutral
-    damping, b = law.implicit_parts(mass)
+    damping, b = law.parts.of(mass)
     s = u - k * (q - q0) - damping @ v
     f = mass @ (v - v_prev) / H - tau_prev
     a = np.linalg.solve(mass + b, f + s)
@@ -83,7 +83,7 @@ def test_the_correction_acts_like_actuation_and_the_lag_of_the_bias_like_force()
         torques = law.correct(bias_at(v), bias_at)
         lag = np.zeros(3) if bias_prev is None else bias_prev - bias_at(v)
         first = plain_torques(law, mass, q, v, v_prev, tau_prev - lag, u)
-        damping, b = law.implicit_parts(mass)
+        damping, b = law.parts.of(mass)
         # τ = s - B a, so a = B⁻¹ (s - τ); half a step of it leads to the rates of the instant
         s = u - law.springs.stiffness * (q - law.springs.neutral) - damping @ v
         coming = v + 0.5 * H * np.linalg.solve(b, s - first)
@@ -141,7 +141,7 @@ def test_a_new_mass_matrix_leaves_the_measured_force() -> None:
     heavier = mass + np.eye(3)
     refreshed(law, heavier)
     force = mass @ [0.1, -0.1, 0.2] / H - before
-    damping, b = law.implicit_parts(heavier)
+    damping, b = law.parts.of(heavier)
     springs_alone = law.springs.torques(law.angles, np.zeros(3))
     s = springs_alone - damping @ law.rates
     acceleration = np.linalg.solve(heavier + b, force + s)
@@ -175,7 +175,7 @@ def one_mode(x: float, y: float) -> tuple[float, float]:
     """Return (D + N) h/m and B/m of one mode with x = h d/m and y = h² k/m, in the implicit law."""
     stiffness, damping = np.array([y / H**2]), np.array([x / H])
     law = SpringLaw(Springs(stiffness, damping, np.zeros(1)), H, "implicit")
-    (damped,), (implicit,) = (part[0] for part in law.implicit_parts(np.eye(1)))
+    (damped,), (implicit,) = (part[0] for part in law.parts.of(np.eye(1)))
     return H * damped, implicit
 
 

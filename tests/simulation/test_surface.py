@@ -56,7 +56,8 @@ def test_a_lever_arm_is_a_length_and_a_stiffness_is_not_one_of_a_joint() -> None
         ({}, {"surface": EVERYTHING}, False),
         ({}, {"self_collision": False}, False),
         ({}, {"self_collision": True}, True),
-        ({"ground": {"height": -1}}, {}, True),
+        ({"ground": {"height": 0}}, {}, True),
+        ({"ground": {"height": -9}}, {}, False),
     ],
 )
 def test_shapes_are_loaded_where_something_can_touch(
