@@ -2,8 +2,8 @@
 
 Run by `make bench`. The runs are timed in turn, round after round, and the ratios to the run
 that records nothing are taken round by round; printed are their medians, and what of it is the
-decimals alone. Times are the processor's; the CSV is a real file. Then the peak memory of a whole
-command that records every step, by the number of its steps.
+decimals alone. Times are the processor's; the CSV is a real file. Then what a number costs as
+decimals, and the peak memory of a whole command that records every step, by their number.
 """
 
 from __future__ import annotations
@@ -19,7 +19,9 @@ import tempfile
 import time
 from typing import TextIO
 
-from somo_cli.simulation import columns
+import numpy as np
+
+from somo_cli.simulation import columns, decimals
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.recorder import CsvRecorder
@@ -61,6 +63,21 @@ def seconds_of_decimals(plan: Plan) -> float:
     for block in blocks:
         nowhere.write(block)
     return CLOCK() - started
+
+
+def print_decimals(rounds: int) -> None:
+    """Print what a number costs as decimals, at once with many others and by `repr`."""
+    numbers = np.random.default_rng(1).normal(size=(64, 64))
+    ours, theirs = [], []
+    for _ in range(100 * rounds):
+        started = CLOCK()
+        decimals.lines(numbers)
+        between = CLOCK()
+        "".join(",".join(map(repr, row)) + "\n" for row in numbers.tolist())
+        ours.append(between - started)
+        theirs.append(CLOCK() - between)
+    many, one = (1e9 * statistics.median(times) / numbers.size for times in (ours, theirs))
+    print(f"a number as decimals: {many:.0f} ns among 4096, {one:.0f} ns by repr, {one / many:.1f}")
 
 
 def megabytes_of_run(steps: int) -> float:
@@ -110,6 +127,7 @@ def main() -> None:
     arguments.add_argument("--steps", type=int, nargs="*", default=[10_000, 1_000_000])
     options = arguments.parse_args()
     print_overheads(options.rounds)
+    print_decimals(options.rounds)
     for steps in options.steps:
         print(f"peak memory of {steps} steps, each recorded: {megabytes_of_run(steps):.1f} MB")
 
