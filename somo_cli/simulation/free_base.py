@@ -32,6 +32,8 @@ class FreeRunner(Runner):
         self._beyond: Array = np.zeros(len(body.chain.joints))
         super().__init__(plan, body, world_body)
         self._acting = self.actuation
+        if self.loads is not None:
+            self.loads.work(np.array(body.start.angles))  # from here on
 
     def begin(self, force: Array, rates: Array) -> None:
         """Take the force measured at the start, and let the spin half a step on be the start's."""
@@ -59,6 +61,12 @@ class FreeRunner(Runner):
         """Count the work of the last step; loads act on the base as well."""
         super().count_step()
         if self.loads is not None:
+            self.energy.give(self.loads.work(self.law.angles))
+
+    def count_work(self, is_steady: bool) -> None:
+        """Tell the energy of work done since the last call."""
+        super().count_work(is_steady)
+        if self.loads is not None and is_steady:  # by loads that are zero: how far they got
             self.energy.give(self.loads.work(self.law.angles))
 
     def _account(self) -> None:

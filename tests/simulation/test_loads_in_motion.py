@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from somo_cli.manipulator.dimensions import Scale
+from somo_cli.manipulator.dimensions import Dimension, Scale
 from somo_cli.simulation import run
 from somo_cli.simulation.bullet import BulletWorld
+from somo_cli.simulation.energy import BodyEnergy
 from somo_cli.simulation.plan import make_plan
 from somo_cli.simulation.scene import Scene
 from tests.loading import rows_of, scene_from_file, scene_from_text
@@ -180,3 +181,21 @@ def test_no_alarm_where_all_the_energy_is_the_work_of_loads(
     )
     rows = np.array(rows_of(dataclasses.replace(scene, integrator=integrator), 1500))
     assert np.isfinite(rows).all()
+
+
+@pytest.mark.parametrize("every", [1, 1000])
+def test_the_work_of_a_late_load_is_its_force_over_its_way(
+    every: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A force on the base of a falling finger pulls back for 10 ms, and 0.4 s later for 40 ms."""
+    given: list[float] = []
+    monkeypatch.setattr(BodyEnergy, "give", lambda energy, work: given.append(work))
+    pull = {"link": "base", "force": [0, 0, 0.05], "interpolation": "step"}
+    pull["waypoints"] = [[0, 0], [0.1, 1], [0.11, 0], [0.504, 1], [0.544, 0]]
+    one = {"definition": "finger.yaml", "base": "free", "loads": [pull]}
+    scene = scene_from_text(json.dumps({"manipulators": [one]}), f"record={{every: {every}}}")
+    plan = make_plan(scene)
+    rows_of(plan, 800)
+    fall = 9.81 / 2 * (0.11**2 - 0.1**2 + 0.544**2 - 0.504**2)
+    force = plan.scale.factor(Dimension(mass=1, length=2, time=-2)) * 0.05
+    assert sum(given) == pytest.approx(-force * fall, rel=0.01)
