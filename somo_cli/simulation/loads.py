@@ -15,7 +15,7 @@ from somo_cli.simulation.plan import Body, Load
 from somo_cli.simulation.springs import Array
 
 _Wrench: TypeAlias = tuple[Array, Array, Array, Array]
-"""Where it acts, the axes of its link as columns, force and moment; all in the world."""
+"""Where it acts, the axes of its link as columns, force and moment; in the world, at factor one."""
 
 
 class BodyLoads:
@@ -53,7 +53,8 @@ class BodyLoads:
         for index, factor in enumerate(self._factors):
             if factor != 0:
                 point, _, force, moment = self._wrench(pose, index)
-                total = total + pose.force_on(self._loads[index][0], point, force, moment)
+                link = self._loads[index][0]
+                total = total + pose.force_on(link, point, factor * force, factor * moment)
         return total
 
     def steady_until(self, time: float) -> float:
@@ -68,23 +69,26 @@ class BodyLoads:
     def work(self, angles: Array) -> float:
         """Return the work of the loads since the last call, by the trapezoidal rule.
 
-        The loads are those of the last call of `force`; the first call returns zero.
+        They are as large as in the last call of `force` on all of the way, as in a step; the first
+        call returns zero.
         """
         pose = self._chain.at(angles, self._base_pose())
         now = [self._wrench(pose, index) for index in range(len(self._loads))]
         work = 0.0
-        for before, after in zip(self._before, now, strict=False):
-            work += 0.5 * float((before[2] + after[2]) @ (after[0] - before[0]))
-            work += 0.5 * float((before[3] + after[3]) @ _turn(after[1] @ before[1].T))
+        for factor, before, after in zip(self._factors, self._before, now, strict=False):
+            if factor != 0:
+                work += 0.5 * factor * float((before[2] + after[2]) @ (after[0] - before[0]))
+                turned = _turn(after[1] @ before[1].T)
+                work += 0.5 * factor * float((before[3] + after[3]) @ turned)
         self._before = now
         return work
 
     def _wrench(self, pose: ChainPose, index: int) -> _Wrench:
         link, point, force, moment = self._loads[index]
-        factor, axes = self._factors[index], pose.rotations[link]
+        axes = pose.rotations[link]
         if self._turns_with_link[index]:
             force, moment = axes @ force, axes @ moment
-        return pose.point(link, point), axes, factor * force, factor * moment
+        return pose.point(link, point), axes, force, moment
 
 
 def generalised(load: Load, pose: ChainPose) -> Array:
