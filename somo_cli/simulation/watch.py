@@ -69,8 +69,8 @@ class Past:
 class Watch:
     """Looks at bodies in motion every few steps, and at rows before they are written.
 
-    `given` tells the most energy that objects may have added by now. What is put in is counted by
-    looks alone, so that the verdict does not depend on what is recorded.
+    `given` tells the most energy that objects may have added by now. What is put in is counted in
+    every step, so that the verdict does not depend on what is recorded.
     """
 
     def __init__(
