@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from somo_cli.simulation import columns, savings
+from somo_cli.simulation.pace import CALM_REFRESH, STEPS_BETWEEN_LOOKS, SWIFT_REFRESH
 from somo_cli.simulation.penetration import steps_between_looks
 from somo_cli.simulation.plan import Plan, needs_engine_limits
-from somo_cli.simulation.runner import CALM_REFRESH, STEPS_BETWEEN_LOOKS, SWIFT_REFRESH
 
 _FORCES = frozenset({"contact_force", "contact_pairs", "link_contact_forces"})
 _VELOCITIES = frozenset({"joint_rates", "energy", "velocity"})

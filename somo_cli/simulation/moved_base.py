@@ -13,8 +13,9 @@ from somo_cli.problems import EngineRefused
 from somo_cli.simulation.allowance import Allowance
 from somo_cli.simulation.dynamics import ChainPose
 from somo_cli.simulation.motion import Path
+from somo_cli.simulation.pace import STEPS_BETWEEN_LOOKS
 from somo_cli.simulation.plan import Body, Plan
-from somo_cli.simulation.runner import STEPS_BETWEEN_LOOKS, Runner
+from somo_cli.simulation.runner import Runner
 from somo_cli.simulation.springs import Array
 from somo_cli.simulation.world import WorldMovedBody
 

@@ -16,10 +16,11 @@ from somo_cli.simulation.events import ContactWatch, Event
 from somo_cli.simulation.free_base import FreeRunner
 from somo_cli.simulation.moved_base import MovedRunner
 from somo_cli.simulation.moved_thing import ThingMover
+from somo_cli.simulation.pace import STEPS_BETWEEN_LOOKS
 from somo_cli.simulation.penetration import Penetration, PenetrationWatch, steps_between_looks
 from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.rows import Rows, Write
-from somo_cli.simulation.runner import STEPS_BETWEEN_LOOKS, Runner
+from somo_cli.simulation.runner import Runner
 from somo_cli.simulation.start import begin
 from somo_cli.simulation.stepper import Stepper
 from somo_cli.simulation.watch import Watch

@@ -16,28 +16,17 @@ from somo_cli.simulation.dynamics import ChainDynamics, ChainPose
 from somo_cli.simulation.energy import BodyEnergy
 from somo_cli.simulation.loads import BodyLoads
 from somo_cli.simulation.manner import fastest_fall, pendulum, staleness
+from somo_cli.simulation.pace import CALM_REFRESH, HOLDS, STEPS_BETWEEN_LOOKS, Pace
 from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.springs import Array, SpringLaw, Springs
 from somo_cli.simulation.stops import Stops
 from somo_cli.simulation.vibration import natural_frequencies
 from somo_cli.simulation.world import WorldBody
 
-CALM_REFRESH = 0.03  # rad: the mass matrix is renewed once the joints have moved this far, as the
-SWIFT_REFRESH = 0.015  # root of the sum of squares over the joints
-STALE = 0.25  # what a renewal may change of the inertia of any motion of the joints, at most
-CALM_PHASE = 0.2  # rad of the slowest mode between two looks: with larger steps no body is calm
-CALM_FALL = 0.25  # rad of the fastest mode of gravity alone in a step: likewise
-SWIFT_FALL = 1.5  # rad, likewise: with larger steps gravity is in part implicit
-CALM_ANGLE = 0.005  # rad per step: a body with a faster joint is not calm
-CALM_CHANGE = 3.0  # rad/s²: times the step squared, what holding may cost in a block [rad]
-CALM_CHANGE_IN_TOUCH = 12.0  # likewise where bodies can touch: contact costs more
 CALM_ROOM = 0.1  # rad: a body with a joint nearer to its limit is not calm
 SWIFT_ROOM = 1.0  # rad: joints farther from their limits do not reach them before the next look,
 SWIFT_BLOCKS = 2.0  # nor those that would not do so in so many times the time until then
 FAR = 4.0  # times as far as that until what is implicit in the law is renewed as well
-STEPS_BETWEEN_LOOKS = 8
-HOLDS = (STEPS_BETWEEN_LOOKS, 4, 2)  # steps for which a correction may be held; where nothing is
-# touched the first alone, since what the others save is less than what they cost in error
 
 
 class Runner:
@@ -74,15 +63,10 @@ class Runner:
         self._worked_at: Array = np.array(body.start.angles)  # when that was done last
         self._power = 0.0  # summed over the steps since then
         self._rates = self.law.rates
-        self._is_heavy = False  # whether gravity alone would be too fast for the step
         self._gravity = plan.gravity
-        self._freshness = 1.0  # times the angles above, where the inertia changes fast
-        self._refresh_angle = SWIFT_REFRESH
-        self._slowest_mode = self._fastest_fall = math.inf  # rad/s, where the run starts
+        self._pace = Pace(plan.time_step, plan.can_touch)
         self._looked_at: tuple[Array, Array] | None = None  # correction and bias at the last look
         self._corrected = np.zeros(0), np.zeros(0)  # and when they were renewed last
-        self._holds = HOLDS if plan.can_touch else HOLDS[:1]
-        self._calm_change = CALM_CHANGE_IN_TOUCH if plan.can_touch else CALM_CHANGE
         self._held_steps = self._steps_left = 1
         self._pushes = {1: self._push_swiftly, STEPS_BETWEEN_LOOKS: self._push_held}
         self._pushes |= {steps: self._push_in_turns for steps in HOLDS[1:]}
@@ -136,7 +120,7 @@ class Runner:
         so little since the last look that holding it cost less than the method's own error.
         """
         law = self.law
-        if self._is_heavy:
+        if self._pace.is_heavy:
             # with looks, not with the mass: any such part of B is as good as a fresh one
             law.parts.take_pendulum(pendulum(self._pose(), self._gravity), self.mass)
         self.refresh_if_moved()
@@ -158,26 +142,11 @@ class Runner:
                 law.hold(last[1] - law.bias, growth, STEPS_BETWEEN_LOOKS)
         self._held_steps = self._steps_left = held
         self.push = self._pushes[held]
-        is_calm = held == STEPS_BETWEEN_LOOKS
-        self._refresh_angle = self._freshness * (CALM_REFRESH if is_calm else SWIFT_REFRESH)
+        self._pace.go_on(held)
 
     def _steps_to_hold(self, change: Array) -> int:
         """Return for how many steps a correction may be held that changed so between two looks."""
-        step = self.law.time_step
-        if step * self._fastest_fall > CALM_FALL:
-            return 1
-        phase, turn = step * self._slowest_mode, step * self.fastest / self._freshness
-        block = STEPS_BETWEEN_LOOKS**2  # what a constant force does in one, over the step squared
-        by_joint = change / self.mass.diagonal()
-        pull = block * math.sqrt(by_joint.dot(by_joint))  # rad/s²; that of one joint is no more
-        if pull > self._calm_change:
-            pull = block * float(np.abs(by_joint).max())
-        for steps in self._holds:
-            share = steps / STEPS_BETWEEN_LOOKS
-            is_calm = steps * phase <= CALM_PHASE and share * turn <= CALM_ANGLE
-            if is_calm and share**2 * pull <= self._calm_change:
-                return steps
-        return 1
+        return self._pace.steps_to_hold(change / self.mass.diagonal(), self.fastest)
 
     def _room(self, enough: float) -> float:
         """Return how far the joint nearest to a limit is from it [rad], or what is `enough`."""
@@ -262,7 +231,7 @@ class Runner:
         """Renew the mass matrix if it is that of angles too far from the present ones."""
         moved = self.law.angles - self._mass_angles
         self._moved_since = math.sqrt(moved.dot(moved))
-        if self._moved_since > self._refresh_angle:
+        if self._moved_since > self._pace.refresh_angle:
             self.refresh()
 
     def refresh(self) -> None:
@@ -271,24 +240,20 @@ class Runner:
         self._moved_since, self._room_then = 0.0, math.nan
         self.mass = self.world_body.mass_matrix(angles.tolist())
         moved = angles - self._parts_angles
-        is_far = moved.dot(moved) > (FAR * self._refresh_angle) ** 2
+        is_far = moved.dot(moved) > (FAR * self._pace.refresh_angle) ** 2
         if is_far:
             self._parts_angles = angles
         self.law.refresh(self.mass, is_far)
 
     def assess(self) -> None:
         """Ask, at the start, for what decides how the body is to be followed."""
-        self._slowest_mode = float(natural_frequencies(self.mass, self.law.springs.stiffness)[0])
+        slowest = float(natural_frequencies(self.mass, self.law.springs.stiffness)[0])
         # gravity moves a free body as a whole, and no joint
         is_free = self.body.base == "free"
-        self._fastest_fall = (
-            0.0 if is_free else fastest_fall(self._pose(), self._gravity, self.mass)
-        )
-        self._is_heavy = self.law.time_step * self._fastest_fall > SWIFT_FALL
+        fall = 0.0 if is_free else fastest_fall(self._pose(), self._gravity, self.mass)
         change = staleness(self.dynamics(), self.law.angles, is_free, CALM_REFRESH)
-        self._freshness = min(1.0, STALE / change) if change > 0 else 1.0
-        self._refresh_angle = self._freshness * SWIFT_REFRESH
-        if self._is_heavy:
+        self._pace.assess(slowest, fall, change)
+        if self._pace.is_heavy:
             self.law.parts.take_pendulum(pendulum(self._pose(), self._gravity), self.mass)
             self.refresh()
 

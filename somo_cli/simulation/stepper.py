@@ -7,9 +7,10 @@ from typing import TypeAlias
 
 from somo_cli.simulation.events import ContactWatch
 from somo_cli.simulation.moved_thing import ThingMover
+from somo_cli.simulation.pace import STEPS_BETWEEN_LOOKS
 from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.rows import Rows
-from somo_cli.simulation.runner import STEPS_BETWEEN_LOOKS, Runner
+from somo_cli.simulation.runner import Runner
 from somo_cli.simulation.world import World
 
 Driven: TypeAlias = Runner | ThingMover

@@ -12,7 +12,7 @@ import pytest
 
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
-from somo_cli.simulation import columns, energy, run, runner
+from somo_cli.simulation import columns, energy, pace, run
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.dynamics import ChainDynamics
 from somo_cli.simulation.loads import generalised, stiffness_of
@@ -90,8 +90,8 @@ def test_each_limb_of_a_held_body_moves_as_it_does_alone(
 ) -> None:
     # a body's inertia is renewed once all its joints together have moved so far, which is sooner
     # with two limbs: without that nothing but rounding is left
-    monkeypatch.setattr(runner, "SWIFT_REFRESH", 0.0)
-    monkeypatch.setattr(runner, "CALM_PHASE", 0.0)
+    monkeypatch.setattr(pace, "SWIFT_REFRESH", 0.0)
+    monkeypatch.setattr(pace, "CALM_PHASE", 0.0)
     assert apart_from_alone(integrator, step) < 1e-14
 
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from somo_cli.simulation.pace import STEPS_BETWEEN_LOOKS
 from somo_cli.simulation.plan import Plan, make_plan
-from somo_cli.simulation.runner import STEPS_BETWEEN_LOOKS
 from somo_cli.simulation.stopping import AtRest, AtTime, Leaves, stops
 from tests.loading import scene_from_text, simulated
 from tests.manipulator.bodies import Data
