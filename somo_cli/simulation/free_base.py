@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from somo_cli.manipulator import geometry
+from somo_cli.manipulator.geometry import Vector
 from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.runner import Runner
 from somo_cli.simulation.springs import SUDDEN, Array, carried_on
@@ -27,13 +28,13 @@ class FreeRunner(Runner):
         self._spin: Array = np.array(body.start.angular_velocity)
         self._previous_spin = self._spin
         self._turned: Array = np.zeros(3)  # by how much the spin changed in the last step
+        self._velocity: Vector = body.start.linear_velocity  # of the base's centre of mass
+        self._load: Array = np.zeros(6 + len(body.chain.joints))
         # of the loads: on the base, in its own axes, and on the joints beyond what the law knows
         self._wrench: Array = np.zeros(6)
         self._beyond: Array = np.zeros(len(body.chain.joints))
         super().__init__(plan, body, world_body)
         self._acting = self.actuation
-        if self.loads is not None:
-            self.loads.work(np.array(body.start.angles))  # from here on
 
     def begin(self, force: Array, rates: Array) -> None:
         """Take the force measured at the start, and let the spin half a step on be the start's."""
@@ -47,11 +48,13 @@ class FreeRunner(Runner):
         def pull() -> None:
             pull_joints()
             self._previous_spin = self._spin
-            self._spin = np.array(self.world_body.base_velocity()[1])
+            self._velocity, spin = self.world_body.base_velocity()
+            self._spin = np.array(spin)
 
         return pull
 
     def _carry(self, load: Array) -> None:
+        self._load = load
         own = self.world_body.in_base_axes(load)
         felt = self.world_body.felt_by_joints(own)
         np.add(self.actuation, felt, self.law.actuation)
@@ -61,13 +64,8 @@ class FreeRunner(Runner):
         """Count the work of the last step; loads act on the base as well."""
         super().count_step()
         if self.loads is not None:
-            self.energy.give(self.loads.work(self.law.angles))
-
-    def count_work(self, is_steady: bool) -> None:
-        """Tell the energy of work done since the last call."""
-        super().count_work(is_steady)
-        if self.loads is not None and is_steady:  # by loads that are zero: how far they got
-            self.energy.give(self.loads.work(self.law.angles))
+            motion = [*self._spin, *self._velocity, *self._rates]
+            self._power += self._load.dot(motion)
 
     def _account(self) -> None:
         super()._account()
