@@ -22,6 +22,17 @@ class Pose:
         return geometry.add(self.position, geometry.rotate(self.rotation, local))
 
 
+def ways(chain: Chain) -> list[float]:
+    """Return how far from the base frame's origin that of each link can get, root first.
+
+    With the joints stretched out in a row, whatever their limits; in the units of the chain.
+    """
+    found = [0.0]
+    for joint in chain.joints:
+        found.append(found[joint.parent] + geometry.norm(joint.origin))
+    return found
+
+
 def link_poses(chain: Chain, angles: Sequence[float], base: Pose) -> tuple[Pose, ...]:
     """Return the pose in the world of every link frame, root first.
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain
+from somo_cli.manipulator.kinematics import ways
 from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.springs import Array
 
@@ -81,11 +82,8 @@ class Allowance:
 
 def _reach(chain: Chain) -> float:
     """Return how far from the base frame's origin any point of the chain can be, about."""
-    ways = [0.0]
-    for joint in chain.joints:
-        ways.append(ways[joint.parent] + geometry.norm(joint.origin))
     far = 0.0
-    for way, link in zip(ways, chain.links, strict=True):
+    for way, link in zip(ways(chain), chain.links, strict=True):
         xx, _, _, yy, _, zz = link.inertial.inertia
         # half the diagonal of a homogeneous box; no less for a cylinder or a sphere
         size = math.sqrt(1.5 * (xx + yy + zz) / link.inertial.mass)

@@ -94,13 +94,10 @@ class BulletBody(BulletDynamics):
 
     def base_pose(self) -> Pose:
         """Return the pose in the world of the base's URDF frame; the engine tells the centre's."""
-        centre, orientation = self._bullet.getBasePositionAndOrientation(self.index, self._client)
-        rotation = geometry.multiply(
-            geometry.rotation_from_quaternion(orientation),
-            geometry.transposed(self._inertial_in_base),
-        )
+        centre = self.centre_pose()
+        rotation = geometry.multiply(centre.rotation, geometry.transposed(self._inertial_in_base))
         offset = geometry.rotate(rotation, self._com_in_base)
-        return Pose(geometry.subtract(centre, offset), rotation)
+        return Pose(geometry.subtract(centre.position, offset), rotation)
 
     def base_velocity(self) -> tuple[Vector, Vector]:
         """Return the velocity of the base's centre of mass and its angular velocity, in world."""

@@ -29,8 +29,8 @@ class MovedBody(BulletBody):
 
     def move_base(self, goal: Pose, is_at_rest: bool) -> None:
         """Have the base frame at this pose after the next step, and after more if at rest."""
-        centre, orientation = self._bullet.getBasePositionAndOrientation(self.index, self._client)
-        axes = geometry.rotation_from_quaternion(orientation)
+        present = self.centre_pose()
+        centre, axes = present.position, present.rotation
         way = geometry.subtract(goal.point(self._com_in_base), centre)
         turned = geometry.multiply(goal.rotation, self._inertial_in_base)
         turn = geometry.rotation_vector(geometry.multiply(geometry.transposed(axes), turned))

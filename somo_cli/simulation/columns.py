@@ -21,6 +21,12 @@ _TURN_AT = {"base_pose": 3, "pose": 3, "link_orientations": 0}
 OF_BASE = frozenset({"link_positions", "link_orientations", "base_pose", "tip_position", "energy"})
 """The quantities that ask where the base is."""
 
+OF_RATES = frozenset({"joint_rates", "energy"})
+"""The quantities that ask for the velocities of the instant; of objects, `velocity` does."""
+
+OF_CONTACT = frozenset({"contact_force", "contact_pairs", "link_contact_forces"})
+"""The quantities and readings that ask for contact points."""
+
 
 @dataclass(frozen=True, slots=True)
 class Group:

@@ -9,6 +9,7 @@ import numpy as np
 
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
+from somo_cli.manipulator.kinematics import ways
 from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.springs import Array, Springs
 from somo_cli.simulation.world import WorldThing
@@ -146,13 +147,10 @@ def _square(vector: Vector) -> float:
 
 def _fall(body: Body) -> float:
     """Return the sum of mass times twice the distance from the base frame's origin."""
-    along, total = [0.0], 0.0
-    for index, link in enumerate(body.chain.links):
-        if index > 0:
-            joint = body.chain.joints[index - 1]
-            along.append(along[joint.parent] + geometry.norm(joint.origin))
-        total += 2 * link.inertial.mass * (along[index] + geometry.norm(link.inertial.centre))
-    return total
+    return sum(
+        2 * link.inertial.mass * (way + geometry.norm(link.inertial.centre))
+        for way, link in zip(ways(body.chain), body.chain.links, strict=True)
+    )
 
 
 def _energy_of_base(body: Body) -> float:

@@ -10,9 +10,6 @@ from somo_cli.simulation.pace import CALM_REFRESH, STEPS_BETWEEN_LOOKS, SWIFT_RE
 from somo_cli.simulation.penetration import steps_between_looks
 from somo_cli.simulation.plan import Plan, needs_engine_limits
 
-_FORCES = frozenset({"contact_force", "contact_pairs", "link_contact_forces"})
-_VELOCITIES = frozenset({"joint_rates", "energy", "velocity"})
-
 
 @dataclass(frozen=True, slots=True)
 class Decision:
@@ -179,7 +176,7 @@ def _of_state(plan: Plan) -> Iterator[Decision]:
     yield Decision("recorded state", True, f"{recorded}, {every}", _spared_columns(plan))
     both = {*kinds, *of_things}
     what = "contact points of recorded steps"
-    if not _FORCES.isdisjoint(both):
+    if not columns.OF_CONTACT.isdisjoint(both):
         yield Decision(what, True, "columns need them")
     else:
         saves = "their list for every row" if plan.can_touch else None
@@ -187,7 +184,7 @@ def _of_state(plan: Plan) -> Iterator[Decision]:
     # with the implicit law velocities live at half steps, so a row needs those of the step after it
     halves = plan.integrator == "implicit"
     what = "velocities of the step after a row"
-    if halves and not _VELOCITIES.isdisjoint(both):
+    if halves and not (columns.OF_RATES | {"velocity"}).isdisjoint(both):
         yield Decision(what, True, "columns need velocities")
     elif halves:
         why, saves = "no column needs velocities between steps", "a step beyond the last row"

@@ -7,6 +7,7 @@ import itertools
 from somo_cli.manipulator import geometry, solids
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.dimensions import Dimension
+from somo_cli.manipulator.kinematics import ways
 from somo_cli.simulation.placing import placed
 from somo_cli.simulation.scene import Scene
 
@@ -44,13 +45,10 @@ def can_touch(scene: Scene) -> bool:
 
 def reach(chain: Chain) -> float:
     """Return how far from its base frame's origin any shape of a chain can get [m], at most."""
-    ways = [0.0]
-    for joint in chain.joints:
-        ways.append(ways[joint.parent] + geometry.norm(joint.origin))
     return max(
         (
             way + geometry.norm(shape.position) + solids.circumradius(shape.solid)
-            for way, link in zip(ways, chain.links, strict=True)
+            for way, link in zip(ways(chain), chain.links, strict=True)
             for shape in link.shapes
         ),
         default=0.0,

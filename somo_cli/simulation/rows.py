@@ -12,7 +12,7 @@ from somo_cli.simulation.pace import STEPS_BETWEEN_LOOKS
 from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.runner import Runner
 from somo_cli.simulation.springs import Array
-from somo_cli.simulation.taken import RATES, BodyRows, ThingRows
+from somo_cli.simulation.taken import BodyRows, ThingRows
 from somo_cli.simulation.touching import Touch
 from somo_cli.simulation.units import units_of
 from somo_cli.simulation.watch import Watch
@@ -23,8 +23,6 @@ ROWS = 256  # that wait, at most, however narrow
 
 Write: TypeAlias = Callable[[Array], None]
 """Takes several rows at once, shape (rows, columns), in SI."""
-
-_TOUCHED = frozenset({"contact_force", "contact_pairs", "link_contact_forces"})
 
 
 class Rows:
@@ -61,9 +59,9 @@ class Rows:
         self._completed = [part for part in self._parts if part.has_velocities]
         kinds = {group.quantity for group in groups} | {group.reading for group in of_things}
         keeps_all = plan.keeps_everything
-        self._has_touches = keeps_all or not _TOUCHED.isdisjoint(kinds)
+        self._has_touches = keeps_all or not columns.OF_CONTACT.isdisjoint(kinds)
         self.needs_next_step = plan.integrator == "implicit" and (
-            keeps_all or not (RATES | {"velocity"}).isdisjoint(kinds)
+            keeps_all or not (columns.OF_RATES | {"velocity"}).isdisjoint(kinds)
         )
         self._is_counting = "angles" in kinds
         self._time_step = plan.time_step

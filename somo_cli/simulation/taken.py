@@ -24,9 +24,6 @@ from somo_cli.simulation.units import Units
 from somo_cli.simulation.watch import Past
 from somo_cli.simulation.world import WorldThing
 
-RATES = frozenset({"joint_rates", "energy"})
-"""The quantities that ask for the rates of the instant."""
-
 _PLACED = frozenset({"pose", "angles"})
 _STILL = (geometry.ZERO, geometry.ZERO)
 
@@ -58,7 +55,7 @@ class BodyRows:
         self._has_base = can_move and is_base_told
         self._base = runner.world_body.base_pose() if is_base_told else Pose()
         self._has_velocity = can_move and "energy" in kinds
-        self.has_velocities = not RATES.isdisjoint(kinds)
+        self.has_velocities = not columns.OF_RATES.isdisjoint(kinds)
         """Whether any column needs those of the instant."""
         self._is_early = self.has_velocities and plan.integrator == "implicit"
         self._has_actuation = "actuation" in kinds

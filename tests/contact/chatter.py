@@ -9,15 +9,13 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-import time
 
 import numpy as np
 
+from somo_cli.analysis.trial import recorded
 from somo_cli.problems import SimulationDiverged
-from somo_cli.simulation import columns, run
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.plan import make_plan
-from somo_cli.simulation.springs import Array
 from tests.contact.candidates import Candidate
 from tests.contact.cases import dragged
 from tests.loading import scene_from_text
@@ -48,12 +46,10 @@ def shake(candidate: Candidate, dampers: float, step: float) -> float:
         columns=("joint_angles",),
     )
     plan = make_plan(scene)
-    blocks: list[Array] = []
     try:
-        with candidate.installed(), BulletWorld(plan) as world:
-            run.run(plan, world, blocks.append, round(SECONDS / step), time.perf_counter)
+        with candidate.installed():
+            angles = recorded(plan, round(SECONDS / step), BulletWorld)[:, 1:]
     except SimulationDiverged:
         return math.nan
-    angles = np.concatenate(blocks)[:, 1 : len(columns.header(plan))]
     bent = angles[2:] - 2 * angles[1:-1] + angles[:-2]
     return float(np.abs(bent[len(bent) // 2 :]).max() / 2)

@@ -24,12 +24,11 @@ from collections.abc import Callable, Sequence
 import mujoco
 import numpy as np
 
+from somo_cli.analysis.trial import recorded, run_time
 from somo_cli.problems import SimulationDiverged
-from somo_cli.simulation import run
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.plan import make_plan
 from somo_cli.simulation.scene import Scene
-from somo_cli.simulation.springs import Array
 from tests.bench.accuracy import MOTIONS, scene_of, truth_of
 from tests.simulation.mujoco_reference import model_of
 
@@ -59,15 +58,10 @@ def our_loop(scene: Scene, step: float) -> Loop:
     count = round(1 / step)
     scene = dataclasses.replace(scene, time_step=step, every=round(TENTH / step))
     plan = make_plan(scene)
-    bare = dataclasses.replace(plan, columns=(), every=count)
 
     def loop() -> tuple[np.ndarray, float]:
-        blocks: list[Array] = []
-        with BulletWorld(plan) as world:
-            run.run(plan, world, blocks.append, count, time.perf_counter)
-        with BulletWorld(bare) as world:
-            taken = run.run(bare, world, lambda row: None, count, time.perf_counter).wall_time
-        return np.concatenate(blocks)[1:, 1:], taken
+        angles = recorded(plan, count, BulletWorld)[1:, 1:]
+        return angles, run_time(plan, count, BulletWorld, time.perf_counter, 1)
 
     return loop
 
