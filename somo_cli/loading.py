@@ -151,7 +151,8 @@ def overlaps(document: Document, found: Scene | None = None) -> tuple[Problem, .
             depths = world.depths()
     except (EngineMissing, EngineRefused):
         return ()  # a run says so
-    return tuple(overlap.faults(document, plan, depths))
+    lengths = {pair: depth / plan.scale.length for pair, depth in depths.items()}
+    return tuple(overlap.faults(document, found, lengths))
 
 
 def _with_chosen_step(found: Scene, document: Document) -> Scene:

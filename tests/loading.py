@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.loading import load_text, scene_of
 from somo_cli.simulation import run
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.plan import Plan, make_plan
 from somo_cli.simulation.run import Summary
 from somo_cli.simulation.scene import Scene
-from somo_cli.simulation.springs import Array
 
 DEFINITIONS = Path(__file__).parents[1] / "definitions"
 

@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipeinc, ellipj, ellipk, ellipkinc, exprel
 
-from somo_cli.simulation.springs import Array
+from somo_cli.arrays import Array
 
 Tip = tuple[float, float]
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.document.parse import Document
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain
@@ -15,7 +16,6 @@ from somo_cli.manipulator.solids import AnySolid, Box, Cylinder, Sphere
 from somo_cli.problems import Pointer, Problem
 from somo_cli.simulation.dynamics import ChainDynamics
 from somo_cli.simulation.plan import Body, Plan
-from somo_cli.simulation.springs import Array
 from somo_cli.simulation.vibration import FROZEN, inertia_felt
 
 MASS_RATIO = 1e3  # between neighbours: beyond, rounding takes three digits of the lighter one

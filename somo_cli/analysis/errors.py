@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.simulation import columns
 from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.scene import Quantity
-from somo_cli.simulation.springs import Array
 
 UNITS: dict[Quantity, str] = {
     "joint_angles": "rad",

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from somo_cli.analysis.modes import Complex, Modes
+from somo_cli.arrays import Array
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.simulation.dynamics import ChainPose
 from somo_cli.simulation.loads import generalised
 from somo_cli.simulation.motion import Path
 from somo_cli.simulation.plan import Body
 from somo_cli.simulation.signal import Input
-from somo_cli.simulation.springs import Array
 
 SAMPLES = 4000  # of a horizon
 LONGEST = 5  # horizons that are sampled as finely

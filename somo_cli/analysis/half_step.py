@@ -9,11 +9,11 @@ import numpy as np
 
 from somo_cli.analysis.errors import Error
 from somo_cli.analysis.trial import Clock, OpenWorld
+from somo_cli.arrays import Array
 from somo_cli.simulation import columns
 from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.run import run
 from somo_cli.simulation.scene import Integrator
-from somo_cli.simulation.springs import Array
 
 ORDER: dict[Integrator, int] = {"implicit": 2, "euler": 1, "explicit": 1}
 """The order in which the error of an integrator falls with the step."""

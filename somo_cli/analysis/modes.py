@@ -8,8 +8,8 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from somo_cli.arrays import Array
 from somo_cli.simulation.dynamics import ChainPose
-from somo_cli.simulation.springs import Array
 from somo_cli.simulation.vibration import largest_explicit_step, normaliser
 
 Complex: TypeAlias = npt.NDArray[np.complex128]

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from somo_cli.analysis.reference import Reference
+from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation import columns
 from somo_cli.simulation.dynamics import ChainDynamics
 from somo_cli.simulation.plan import make_plan
 from somo_cli.simulation.scene import Load, Manipulator, Scene
-from somo_cli.simulation.springs import Array
 from somo_cli.simulation.units import units_of
 
 if TYPE_CHECKING:

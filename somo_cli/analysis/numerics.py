@@ -16,12 +16,12 @@ from somo_cli.analysis.stability import (
     predicted_error,
     rounded_down,
 )
+from somo_cli.arrays import Array
 from somo_cli.document.parse import Document
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import Pointer, Problem
 from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.scene import Integrator
-from somo_cli.simulation.springs import Array
 
 FAST = 1.0  # rad in a step; Coriolis forces are followed to second order in it
 

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 from somo_cli.analysis.numerics import Numerics
 from somo_cli.analysis.stability import Outlook
+from somo_cli.arrays import Array
 from somo_cli.simulation.scene import Integrator
-from somo_cli.simulation.springs import Array
 
 INTEGRATORS: tuple[Integrator, ...] = ("implicit", "euler", "explicit")
 

@@ -8,10 +8,10 @@ import numpy as np
 
 from somo_cli.analysis.excitation import sideways, vibration
 from somo_cli.analysis.modes import Modes
+from somo_cli.arrays import Array
 from somo_cli.simulation.dynamics import ChainPose
 from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.scene import Integrator
-from somo_cli.simulation.springs import Array
 
 HORIZON = 5.0  # s: for how long an error may grow in what is hardly damped
 LARGEST = 0.05  # s: no longer step is ever recommended

@@ -10,11 +10,11 @@ from typing import TypeAlias
 import numpy as np
 
 from somo_cli.analysis.errors import aligned, profiles
+from somo_cli.arrays import Array
 from somo_cli.problems import SimulationDiverged
 from somo_cli.simulation import columns
 from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.scene import Quantity
-from somo_cli.simulation.springs import Array
 
 ORDERS = (0.75, 2.75)  # observed orders that can be believed of a method or a chain of order 1 or 2
 NEAR = 0.25  # to a whole number: the order is that number, the rest is of terms that follow

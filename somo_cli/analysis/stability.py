@@ -10,12 +10,12 @@ import numpy as np
 
 from somo_cli.analysis.modes import Modes, modes_at
 from somo_cli.analysis.prediction import LARGEST, Motion, motion_of
+from somo_cli.arrays import Array
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.dynamics import ChainDynamics, ChainPose
 from somo_cli.simulation.loads import stiffness_of
 from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.scene import Integrator
-from somo_cli.simulation.springs import Array
 
 TARGET = 0.01  # error of the tip relative to the length that a recommended step stays below
 SAFETY = 0.9  # of the explicit limit

@@ -15,11 +15,11 @@ from somo_cli.analysis.errors import Error, profiles, summary
 from somo_cli.analysis.instants import Instants
 from somo_cli.analysis.reference import Reference, converged, extrapolated
 from somo_cli.analysis.trial import Clock, OpenWorld
+from somo_cli.arrays import Array
 from somo_cli.problems import EngineRefused, SimulationDiverged
 from somo_cli.simulation import columns
 from somo_cli.simulation.plan import make_plan
 from somo_cli.simulation.scene import Integrator, Quantity, Scene
-from somo_cli.simulation.springs import Array
 
 Status = Literal["ok", "diverged", "refused"]
 Told = Callable[[int], None]

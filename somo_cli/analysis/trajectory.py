@@ -7,13 +7,13 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.dimensions import Dimension
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import InvalidFile, Problem, Span
 from somo_cli.simulation import columns
 from somo_cli.simulation.plan import Body, Plan
-from somo_cli.simulation.springs import Array
 
 MOST_POSES = 400  # that are looked at, evenly over the rows
 MOST_FAULTS = 20

@@ -10,9 +10,9 @@ from typing import TypeAlias
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.run import run
-from somo_cli.simulation.springs import Array
 from somo_cli.simulation.world import World
 
 OpenWorld: TypeAlias = Callable[[Plan], AbstractContextManager[World]]

@@ -12,11 +12,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import root
 
+from somo_cli.arrays import Array
 from somo_cli.calibration.levers import Levers
 from somo_cli.manipulator import chain
 from somo_cli.manipulator.definition import Definition
 from somo_cli.simulation.dynamics import ChainDynamics, ChainPose
-from somo_cli.simulation.springs import Array
 
 FARTHEST = 1.5  # rad, of a joint: beyond it the actuator is not near the straight pose
 

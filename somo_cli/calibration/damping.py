@@ -16,9 +16,9 @@ import numpy as np
 from scipy.linalg import eigh
 
 from somo_cli.analysis.modes import NotAnInertia, modes_at
+from somo_cli.arrays import Array
 from somo_cli.simulation.dynamics import ChainDynamics
 from somo_cli.simulation.plan import Plan
-from somo_cli.simulation.springs import Array
 
 
 class NoMode(ValueError):

@@ -15,9 +15,9 @@ from scipy.linalg import eigh
 from scipy.optimize import root
 
 from somo_cli.analysis.closed_forms import tip_load
+from somo_cli.arrays import Array
 from somo_cli.calibration.levers import Levers
 from somo_cli.manipulator.definition import Placement
-from somo_cli.simulation.springs import Array
 
 _FIRST = {"bending": 1.875104068711961**2, "torsion": math.pi / 2}
 """First frequency of the beam, clamped and free: Blevins, Formulas for Natural Frequency (1979)."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import combinations
 
+from somo_cli.arrays import Array
 from somo_cli.calibration.fit import Fit
-from somo_cli.simulation.springs import Array
 
 TOGETHER = 0.98  # correlation from which on two parameters cannot be told apart
 WIDE = 0.2  # of a value: what its error may be

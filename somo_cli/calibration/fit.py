@@ -18,12 +18,12 @@ from scipy.optimize import least_squares
 from scipy.special import stdtrit
 
 from somo_cli.analysis.trial import OpenWorld, recorded
+from somo_cli.arrays import Array
 from somo_cli.calibration.parameters import Parameter, changed
 from somo_cli.calibration.recording import Recording, recording_all
 from somo_cli.problems import SimulationDiverged
 from somo_cli.simulation.plan import make_plan
 from somo_cli.simulation.scene import Scene
-from somo_cli.simulation.springs import Array
 
 STEP = 1e-3  # of the unknowns, for derivatives: far above the noise of a run, far below 1
 _FARTHEST = 7.0  # of an unknown, a factor of a thousand

@@ -22,10 +22,10 @@ from typing import Literal
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.manipulator import placement
 from somo_cli.manipulator.definition import ActuatorDefinition, Definition, Placement
 from somo_cli.manipulator.geometry import Vector, norm, unit
-from somo_cli.simulation.springs import Array
 
 Kind = Literal["bending", "torsion"]
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import stdtrit
 
-from somo_cli.simulation.springs import Array
+from somo_cli.arrays import Array
 
 
 @dataclass(frozen=True, slots=True)

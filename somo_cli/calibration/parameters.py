@@ -8,10 +8,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from somo_cli.arrays import Array
 from somo_cli.manipulator.compile import Compiled
 from somo_cli.simulation.actuation import Actuation
 from somo_cli.simulation.scene import Manipulator, Scene
-from somo_cli.simulation.springs import Array
 
 What = Literal["stiffness", "damping", "gain"]
 WHATS: tuple[What, ...] = ("stiffness", "damping", "gain")

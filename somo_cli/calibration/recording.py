@@ -8,12 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.document.table import Table, require
 from somo_cli.problems import InvalidFile, Problem
 from somo_cli.simulation import columns
 from somo_cli.simulation.plan import make_plan
 from somo_cli.simulation.scene import Quantity, Scene
-from somo_cli.simulation.springs import Array
 
 TIME = "time_s"
 MEASURABLE: tuple[Quantity, ...] = (

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
 from scipy.special import stdtrit
 
-from somo_cli.simulation.springs import Array
+from somo_cli.arrays import Array
 
 LEAST_POINTS = 8
 LEAST_PERIODS = 0.9

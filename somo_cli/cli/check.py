@@ -17,11 +17,11 @@ from somo_cli.problems import (
 )
 
 if TYPE_CHECKING:
+    from somo_cli.arrays import Array
     from somo_cli.document.parse import Document
     from somo_cli.manipulator.kinematics import Pose
     from somo_cli.simulation.plan import Plan
     from somo_cli.simulation.scene import Scene
-    from somo_cli.simulation.springs import Array
 
 
 @app.command(epilog=EXIT_CODES)

@@ -15,12 +15,12 @@ from somo_cli.cli.run_targets import beside
 from somo_cli.problems import InvalidFile, Problem, Span
 
 if TYPE_CHECKING:
+    from somo_cli.arrays import Array
     from somo_cli.document.parse import Document
     from somo_cli.document.table import Table
     from somo_cli.picture.recording import Recording
     from somo_cli.simulation.run import Summary
     from somo_cli.simulation.scene import Scene
-    from somo_cli.simulation.springs import Array
 
 LARGEST_RECORDING = 500_000_000  # bytes
 _BETWEEN = 8  # rows recorded from picture to picture, where these do not fall on steps

@@ -10,11 +10,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.kinematics import ways
 from somo_cli.simulation.plan import Plan
-from somo_cli.simulation.springs import Array
 
 
 class Allowance:

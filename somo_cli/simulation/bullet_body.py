@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
+from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
@@ -18,7 +19,6 @@ from somo_cli.simulation.bullet_self import spare_near_links
 from somo_cli.simulation.bullet_surface import settings
 from somo_cli.simulation.plan import Body
 from somo_cli.simulation.readback import EngineJoint, EngineLink, mismatches
-from somo_cli.simulation.springs import Array
 
 MANY_JOINTS = 40  # for more of them it takes longer to read numbers for nothing than names
 UNLIMITED_RATE = 1e12  # rad/s; the engine's own clamp of 100 hides divergence

@@ -11,13 +11,12 @@ from typing import Any
 
 import numpy as np
 
+from somo_cli.arrays import Array, invert
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import EngineRefused
-from somo_cli.simulation.implicit_parts import invert
 from somo_cli.simulation.plan import Body
-from somo_cli.simulation.springs import Array
 
 
 class BulletDynamics:

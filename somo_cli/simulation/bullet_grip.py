@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.simulation.grip import Grip, Key
-from somo_cli.simulation.springs import Array
 from somo_cli.simulation.surface import Surface
 
 Place = tuple[int, int]

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from typing import Any
 
+from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.bullet_body import BulletBody
 from somo_cli.simulation.bullet_thing import BulletThing
 from somo_cli.simulation.plan import Body, PlannedThing
-from somo_cli.simulation.springs import Array
 
 REDUCTION = 0.2  # seen in 3.2.7: in one step a constraint takes away this much of its error
 STRONGEST = 1e12  # engine units of impulse; a constraint gives way beyond 500 of them

@@ -5,25 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from somo_cli.simulation import touching
-from somo_cli.simulation.plan import Plan
-from somo_cli.simulation.surface import GROUND
+from somo_cli.simulation.plan import Plan, names_by_number, others_of
 from somo_cli.simulation.touching import Touch
 from somo_cli.simulation.units import Units
 
 TOTAL = ("fx_n", "fy_n", "fz_n", "normal_n")
 LOAD = (*TOTAL, "friction_n", "friction_x_n", "friction_y_n", "friction_z_n")
-
-
-def names_by_number(plan: Plan) -> tuple[str, ...]:
-    """Return the names of bodies, objects and the ground by number, as contacts count them."""
-    bodies = [body.name for body in plan.bodies]
-    return (*bodies, *(planned.thing.name for planned in plan.things), GROUND)
-
-
-def others_of(plan: Plan, number: int) -> tuple[int, ...]:
-    """Return the numbers of what may touch a body or an object, in the order of the columns."""
-    count = len(plan.bodies) + len(plan.things) + (plan.ground is not None)
-    return tuple(other for other in range(count) if other != number)
 
 
 def pair_names(plan: Plan, number: int) -> list[str]:

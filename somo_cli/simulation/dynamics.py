@@ -14,11 +14,11 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
-from somo_cli.simulation.springs import Array
 
 IntArray: TypeAlias = npt.NDArray[np.intp]
 

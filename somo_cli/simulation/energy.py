@@ -7,11 +7,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import ways
+from somo_cli.simulation.joint_springs import Springs
 from somo_cli.simulation.plan import Body, Plan
-from somo_cli.simulation.springs import Array, Springs
 from somo_cli.simulation.world import WorldThing
 
 SMALL_ANGLE = 1e-3  # rad; deflections below it are never called divergence

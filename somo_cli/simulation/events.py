@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import Literal, TextIO, TypeAlias
 
 from somo_cli.manipulator.geometry import Vector
-from somo_cli.simulation.contact_columns import names_by_number
-from somo_cli.simulation.plan import Plan
+from somo_cli.simulation.plan import Plan, names_by_number
 from somo_cli.simulation.surface import GROUND
 from somo_cli.simulation.touching import Place, Touch
 from somo_cli.simulation.units import Units, units_of

@@ -6,11 +6,12 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.runner import Runner
-from somo_cli.simulation.springs import SUDDEN, Array, carried_on
+from somo_cli.simulation.springs import SUDDEN, carried_on
 from somo_cli.simulation.world import WorldBody
 
 

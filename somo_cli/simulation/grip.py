@@ -18,7 +18,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from somo_cli.simulation.springs import Array
+from somo_cli.arrays import Array
 
 STIFFNESS = 0.1  # of a spring, times mass / step²: explicit, and 40 times from unstable
 DAMPING = 0.16  # of a damper, times mass / step: a quarter of critical

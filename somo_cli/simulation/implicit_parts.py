@@ -5,19 +5,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from somo_cli.arrays import Array, invert
+from somo_cli.simulation.joint_springs import Springs
 from somo_cli.simulation.scene import Integrator
-
-if TYPE_CHECKING:
-    from somo_cli.simulation.springs import Array, Springs
-
-# seen in 2.4: around ten joints, what numpy puts around its own inverse costs more than that; where
-# a matrix is singular this one gives numbers that are none, which the watch tells
-invert: Callable[[Array], Array] = getattr(np.linalg, "_umath_linalg", np.linalg).inv
 
 BETA = 1 / 12  # of the spring in modes that the step resolves; Cowell's method
 STIFF = 5 / 12  # what is added to it in modes that the step does not resolve: 1/2 in all

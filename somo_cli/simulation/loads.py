@@ -7,10 +7,10 @@ from typing import TypeAlias
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.dynamics import ChainDynamics, ChainPose
 from somo_cli.simulation.plan import Body, Load
-from somo_cli.simulation.springs import Array
 
 _Wrench: TypeAlias = tuple[Array, Array, Array]
 """Where it acts, force and moment; in the world, at a factor of one."""

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.simulation.dynamics import ChainDynamics, ChainPose
-from somo_cli.simulation.springs import Array
 
 UNEVEN = 0.1  # rad: how far the chain is bent where it is asked how fast its inertia changes
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
@@ -16,7 +17,6 @@ from somo_cli.simulation.motion import Path
 from somo_cli.simulation.pace import STEPS_BETWEEN_LOOKS
 from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.runner import Runner
-from somo_cli.simulation.springs import Array
 from somo_cli.simulation.world import WorldMovedBody
 
 TURN = 0.3  # rad in a step: the engine is asked for five times as much, and reads angles by asin

@@ -6,12 +6,12 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.allowance import Allowance
 from somo_cli.simulation.motion import Path
 from somo_cli.simulation.plan import Plan, PlannedThing
-from somo_cli.simulation.springs import Array
 from somo_cli.simulation.world import WorldMovedThing
 
 

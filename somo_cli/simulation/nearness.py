@@ -9,7 +9,7 @@ from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.geometry import Matrix
 from somo_cli.manipulator.kinematics import Pose, link_poses
-from somo_cli.simulation.ground_meaning import highest, lowest
+from somo_cli.simulation.extents import highest, lowest
 from somo_cli.simulation.placing import placed
 from somo_cli.simulation.scene import Scene
 

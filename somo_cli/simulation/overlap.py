@@ -6,36 +6,35 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from somo_cli.document.parse import Document
 from somo_cli.problems import Pointer, Problem
-from somo_cli.simulation.ground_meaning import DEEPEST
-from somo_cli.simulation.plan import Plan
+from somo_cli.simulation.extents import DEEPEST
+from somo_cli.simulation.scene import Scene
 
 TOUCHING = 1e-5  # m; what touches may overlap by this much, or by DEEPEST of the smaller length
 
 
 def faults(
-    document: Document, plan: Plan, depths: Mapping[tuple[int, int], float]
+    document: Document, scene: Scene, depths: Mapping[tuple[int, int], float]
 ) -> Iterator[Problem]:
     """Yield an error for each pair that overlaps too far.
 
-    `depths` holds how deep [engine units] two of a scene's parts are in each other, the smaller
+    `depths` holds how deep [m] two of a scene's parts are in each other, the smaller
     number first: manipulators, objects, then the ground.
     """
-    owners: list[Pointer] = [("manipulators", index) for index in range(len(plan.bodies))]
-    owners += [("objects", index) for index in range(len(plan.things))]
-    chains = [body.chain for body in plan.bodies]
-    chains += [planned.thing.chain for planned in plan.things]
-    names = [f"'{body.name}'" for body in plan.bodies]
-    names += [f"'{planned.thing.name}'" for planned in plan.things]
+    owners: list[Pointer] = [("manipulators", index) for index in range(len(scene.manipulators))]
+    owners += [("objects", index) for index in range(len(scene.things))]
+    chains = [one.compiled.chain for one in scene.manipulators]
+    chains += [one.chain for one in scene.things]
+    names = [f"'{one.name}'" for one in scene.manipulators]
+    names += [f"'{one.name}'" for one in scene.things]
     for (first, second), depth in sorted(depths.items()):
         is_ground = second == len(owners)
         lengths = [chains[one].length for one in (first, second) if one < len(owners)]
-        if depth <= max(TOUCHING * plan.scale.length, DEEPEST * min(lengths)):
+        if depth <= max(TOUCHING, DEEPEST * min(lengths)):
             continue
         late, early = (first, "the ground") if is_ground else (second, names[first])
         yield Problem(
             document.span(_place(document, owners[late])),
-            f"{names[late]} overlaps {early} by {depth / plan.scale.length * 1e3:.2g} mm at the "
-            "start",
+            f"{names[late]} overlaps {early} by {depth * 1e3:.2g} mm at the start",
             _hint(owners[late]),
         )
 

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from somo_cli.simulation.springs import Array
+from somo_cli.arrays import Array
 
 CALM_REFRESH = 0.03  # rad: the mass matrix is renewed once the joints have moved this far, as the
 SWIFT_REFRESH = 0.015  # root of the sum of squares over the joints

@@ -14,8 +14,7 @@ from somo_cli.manipulator.dimensions import Dimension
 from somo_cli.manipulator.hull import Hull
 from somo_cli.manipulator.round_solids import RoundedBox
 from somo_cli.manipulator.solids import AnySolid, Box, Cylinder
-from somo_cli.simulation.contact_columns import names_by_number
-from somo_cli.simulation.plan import Plan
+from somo_cli.simulation.plan import Plan, names_by_number
 from somo_cli.simulation.world import World
 
 DEEP = 0.2  # of the thickness of the thinner of two bodies

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Shape
 from somo_cli.manipulator.kinematics import Pose
-from somo_cli.simulation.ground_meaning import highest, lowest
+from somo_cli.simulation.extents import highest, lowest
 from somo_cli.simulation.surface import GROUND, Ground
 from somo_cli.simulation.things import Thing
 

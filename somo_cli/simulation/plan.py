@@ -34,7 +34,7 @@ from somo_cli.simulation.scene import (
 from somo_cli.simulation.scene import Load as LoadOfScene
 from somo_cli.simulation.signal import Input, Signal
 from somo_cli.simulation.stopping import Stop
-from somo_cli.simulation.surface import Ground, Surface, Surfaces
+from somo_cli.simulation.surface import GROUND, Ground, Surface, Surfaces
 from somo_cli.simulation.things import Reading, Thing
 
 TORQUE = Dimension(mass=1, length=2, time=-2)
@@ -148,6 +148,18 @@ class Plan:
         """Every surface of the scene but the ground's."""
         own = (one for body in self.bodies for one in body.surfaces.all)
         return (*own, *(planned.thing.surface for planned in self.things))
+
+
+def names_by_number(plan: Plan) -> tuple[str, ...]:
+    """Return the names of bodies, objects and the ground by number, as contacts count them."""
+    bodies = [body.name for body in plan.bodies]
+    return (*bodies, *(planned.thing.name for planned in plan.things), GROUND)
+
+
+def others_of(plan: Plan, number: int) -> tuple[int, ...]:
+    """Return the numbers of what may touch a body or an object, in the order of the columns."""
+    count = len(plan.bodies) + len(plan.things) + (plan.ground is not None)
+    return tuple(other for other in range(count) if other != number)
 
 
 def make_plan(scene: Scene, keeps_everything: bool = False) -> Plan:

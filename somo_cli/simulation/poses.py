@@ -7,10 +7,10 @@ from typing import TypeAlias
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.kinematics import Pose
-from somo_cli.simulation.springs import Array
 
 Frames: TypeAlias = tuple[Array, Array]
 """Origins, shape (..., 3, instants), and axes as the columns of (..., 3, 3, instants)."""

@@ -9,6 +9,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation import contact_columns
@@ -17,7 +18,6 @@ from somo_cli.simulation.dynamics import ChainDynamics
 from somo_cli.simulation.plan import Body
 from somo_cli.simulation.poses import ChainPoses, Frames, frames_of, point_of, quaternions
 from somo_cli.simulation.scene import Quantity
-from somo_cli.simulation.springs import Array
 from somo_cli.simulation.touching import Touch
 from somo_cli.simulation.units import Units
 

@@ -7,8 +7,8 @@ from typing import BinaryIO, TextIO
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.simulation import decimals
-from somo_cli.simulation.springs import Array
 
 _NUMBERS = 4096  # that are turned into decimals at once, which is when that is fastest
 _FEW = 256  # numbers for which one at a time is faster

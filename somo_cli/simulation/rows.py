@@ -7,11 +7,11 @@ from typing import TypeAlias
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.simulation import columns
 from somo_cli.simulation.pace import STEPS_BETWEEN_LOOKS
 from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.runner import Runner
-from somo_cli.simulation.springs import Array
 from somo_cli.simulation.taken import BodyRows, ThingRows
 from somo_cli.simulation.touching import Touch
 from somo_cli.simulation.units import units_of

@@ -11,14 +11,16 @@ from operator import itemgetter
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.simulation.dynamics import ChainDynamics, ChainPose
 from somo_cli.simulation.energy import BodyEnergy
+from somo_cli.simulation.joint_springs import Springs
 from somo_cli.simulation.loads import BodyLoads
 from somo_cli.simulation.manner import fastest_fall, pendulum, staleness
 from somo_cli.simulation.pace import CALM_REFRESH, HOLDS, STEPS_BETWEEN_LOOKS, Pace
 from somo_cli.simulation.plan import Body, Plan
-from somo_cli.simulation.springs import Array, SpringLaw, Springs
+from somo_cli.simulation.springs import SpringLaw
 from somo_cli.simulation.stops import Stops
 from somo_cli.simulation.vibration import natural_frequencies
 from somo_cli.simulation.world import WorldBody

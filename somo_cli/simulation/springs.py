@@ -59,35 +59,17 @@ PD control).
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from somo_cli.simulation.implicit_parts import ImplicitParts, invert
+from somo_cli.arrays import Array, invert
+from somo_cli.simulation.implicit_parts import ImplicitParts
+from somo_cli.simulation.joint_springs import Springs
 from somo_cli.simulation.scene import Integrator
-
-Array: TypeAlias = npt.NDArray[np.float64]
 
 BLOW = 2.0  # times the change of the step before: a larger one is a blow's
 SUDDEN = 5e-3  # rad: what a rate's change in a step, times the step, is below in smooth motion
-
-
-@dataclass(frozen=True, slots=True)
-class Springs:
-    """Stiffness [N·m/rad], damping [N·m·s/rad] and neutral angle [rad] of every joint, shape (n,).
-
-    In the units of the engine.
-    """
-
-    stiffness: Array
-    damping: Array
-    neutral: Array
-
-    def torques(self, angles: Array, rates: Array) -> Array:
-        """Return -K (q - q0) - D v, shape (n,)."""
-        return -self.stiffness * (angles - self.neutral) - self.damping * rates
 
 
 def carried_on(change: Array, before: Array, small: float) -> Array:

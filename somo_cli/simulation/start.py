@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.problems import EngineRefused
 from somo_cli.simulation.moved_thing import ThingMover
 from somo_cli.simulation.plan import Body, Plan
 from somo_cli.simulation.runner import Runner
-from somo_cli.simulation.springs import Array
 from somo_cli.simulation.vibration import FROZEN, inertia_felt
 from somo_cli.simulation.world import World
 

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.manipulator.chain import Joint
-from somo_cli.simulation.springs import Array
 
 RECOVERY = 0.2  # of how far a joint is beyond its limit, in each step; as the engine's own
 BLOCK_PIVOTS = 8  # at once, before they are taken one by one, which cannot go round in circles

@@ -6,17 +6,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation import columns, readings, thing_readings
 from somo_cli.simulation.columns import Group, ThingGroup
-from somo_cli.simulation.contact_columns import others_of
-from somo_cli.simulation.plan import Plan
+from somo_cli.simulation.plan import Plan, others_of
 from somo_cli.simulation.poses import ChainPoses
 from somo_cli.simulation.readings import States
 from somo_cli.simulation.runner import Runner
-from somo_cli.simulation.springs import Array
 from somo_cli.simulation.thing_readings import ThingStates
 from somo_cli.simulation.touching import Touch
 from somo_cli.simulation.turning import TurnCounter

@@ -11,7 +11,7 @@ from somo_cli.manipulator.kinematics import Pose
 from somo_cli.manipulator.meaning import IsSound
 from somo_cli.problems import Pointer, Problem, has_errors
 from somo_cli.simulation import motion_meaning, place_meaning, shape_meaning
-from somo_cli.simulation.ground_meaning import DEEPEST, lowest
+from somo_cli.simulation.extents import DEEPEST, lowest
 from somo_cli.simulation.scene import name_of
 from somo_cli.simulation.things import thing
 

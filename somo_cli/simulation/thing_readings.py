@@ -8,11 +8,11 @@ from typing import TypeAlias
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation import contact_columns
 from somo_cli.simulation.poses import frames_of, quaternions
-from somo_cli.simulation.springs import Array
 from somo_cli.simulation.things import Reading
 from somo_cli.simulation.touching import Touch
 from somo_cli.simulation.units import Units

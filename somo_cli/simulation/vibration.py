@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from somo_cli.simulation.springs import Array
+from somo_cli.arrays import Array
 
 FROZEN = 2.2e-16
 """PyBullet 3.2.7 takes a joint that feels less inertia than this [engine units] to be held."""

@@ -10,10 +10,10 @@ from typing import NoReturn, Protocol
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.problems import SimulationDiverged
 from somo_cli.simulation.energy import BodyEnergy
 from somo_cli.simulation.plan import Body, Plan
-from somo_cli.simulation.springs import Array
 from somo_cli.simulation.vibration import largest_explicit_step
 
 ANGLE_PER_STEP = math.pi  # rad; beyond, a joint's motion cannot be told from its alias

@@ -15,12 +15,12 @@ import time
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.problems import SimulationDiverged
 from somo_cli.simulation import run
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.plan import make_plan
 from somo_cli.simulation.scene import Scene
-from somo_cli.simulation.springs import Array
 from tests.loading import scene_from_text
 from tests.simulation.mujoco_reference import model_of, trajectory
 

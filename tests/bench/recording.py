@@ -21,13 +21,13 @@ from typing import TextIO
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.simulation import columns, decimals
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.plan import Plan
 from somo_cli.simulation.recorder import CsvRecorder
 from somo_cli.simulation.run import run
 from somo_cli.simulation.scene import Quantity
-from somo_cli.simulation.springs import Array
 from tests.bench.stepping import plan_of
 from tests.loading import DEFINITIONS
 

@@ -23,11 +23,12 @@ from typing import TypeAlias
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.simulation import run as stepping
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.plan import Plan, make_plan
 from somo_cli.simulation.runner import Runner
-from somo_cli.simulation.springs import Array, SpringLaw
+from somo_cli.simulation.springs import SpringLaw
 from somo_cli.simulation.start import begin
 from tests.bench import hand
 from tests.loading import scene_from_text

@@ -8,8 +8,8 @@ import re
 import numpy as np
 import pytest
 
+from somo_cli.arrays import Array
 from somo_cli.calibration.ring_down import NoRingDown, RingDown, ring_down
-from somo_cli.simulation.springs import Array
 
 FREQUENCY = 7.3
 

@@ -13,10 +13,12 @@ from unittest.mock import patch
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.simulation import runner
+from somo_cli.simulation.joint_springs import Springs
 from somo_cli.simulation.runner import Runner
 from somo_cli.simulation.scene import Integrator
-from somo_cli.simulation.springs import Array, SpringLaw, Springs
+from somo_cli.simulation.springs import SpringLaw
 
 MEAN_WEIGHT = 0.3  # of the newest in a running mean
 BLOW = 0.02  # rad/s: what a change of the force must do to a joint in a step to count as a blow

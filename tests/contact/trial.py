@@ -10,11 +10,11 @@ from functools import cache
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.problems import SimulationDiverged
 from somo_cli.simulation import columns, run
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.plan import make_plan
-from somo_cli.simulation.springs import Array
 from tests.contact.candidates import EXPLICIT, PLAIN, Candidate
 from tests.contact.cases import Case, Table, named
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.dynamics import ChainDynamics, ChainPose
 from somo_cli.simulation.plan import Body, Plan
-from somo_cli.simulation.springs import Array
 
 
 def equilibrium(plan: Plan, angles: Array) -> ChainPose | None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from somo_cli.simulation.energy import BodyEnergy
-from somo_cli.simulation.springs import Springs
+from somo_cli.simulation.joint_springs import Springs
 from tests.simulation.fake_world import INERTIA, NEUTRAL, STIFFNESS, plan_of_hinges
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from somo_cli.arrays import Array
 from somo_cli.simulation.grip import Grip, Key
-from somo_cli.simulation.springs import Array
 
 STEP = 1e-3  # s
 UP: Array = np.array([[0.0, 0.0, 1.0]])

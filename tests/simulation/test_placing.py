@@ -9,7 +9,7 @@ import pytest
 
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
-from somo_cli.simulation.ground_meaning import highest, lowest
+from somo_cli.simulation.extents import highest, lowest
 from somo_cli.simulation.placing import placed
 from somo_cli.simulation.surface import ground
 from somo_cli.simulation.things import Thing, thing

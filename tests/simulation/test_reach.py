@@ -12,7 +12,7 @@ from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.kinematics import Pose, link_poses
 from somo_cli.simulation import explanation
-from somo_cli.simulation.ground_meaning import highest
+from somo_cli.simulation.extents import highest
 from somo_cli.simulation.plan import make_plan
 from somo_cli.simulation.reach import can_touch, reach
 from tests.loading import rows_of, scene_from_text

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from somo_cli.arrays import Array
 from somo_cli.problems import EngineRefused, SimulationDiverged
 from somo_cli.simulation.plan import Plan, make_plan
 from somo_cli.simulation.run import Summary, run
-from somo_cli.simulation.springs import Array
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.simulation.fake_world import FakeWorld, plan_of_hinges
 

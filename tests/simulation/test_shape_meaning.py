@@ -9,7 +9,7 @@ import pytest
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation import thing_shapes
-from somo_cli.simulation.ground_meaning import lowest
+from somo_cli.simulation.extents import lowest
 from tests.manipulator.bodies import Data
 from tests.simulation.test_compound import CUBE, PILL
 from tests.simulation.test_mesh import corners, obj

@@ -15,8 +15,8 @@ from somo_cli.problems import SimulationDiverged
 from somo_cli.simulation import run, watch
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.energy import SMALL_ANGLE, BodyEnergy
+from somo_cli.simulation.joint_springs import Springs
 from somo_cli.simulation.plan import Plan, make_plan
-from somo_cli.simulation.springs import Springs
 from somo_cli.simulation.watch import Past, Watch
 from tests.loading import DEFINITIONS, rows_of, scene_from_file, scene_from_text, simulated
 from tests.manipulator.bodies import actuator, hinge, manipulator

@@ -13,10 +13,10 @@ from pathlib import Path
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.simulation import run as stepping
 from somo_cli.simulation.bullet import BulletWorld
 from somo_cli.simulation.plan import make_plan
-from somo_cli.simulation.springs import Array
 from tests.bench.classic import classic_loop
 from tests.bench.hand import timed_engine
 from tests.loading import scene_from_file

@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import root
 
+from somo_cli.arrays import Array
 from somo_cli.calibration.levers import of_definition
 from somo_cli.simulation.dynamics import ChainDynamics
-from somo_cli.simulation.springs import Array
 from tests.loading import scene_from_file
 from tests.studies import drawing
 from tests.studies.running import Setting, recorded

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from somo_cli.simulation.springs import Array
+from somo_cli.arrays import Array
 from tests.studies.running import Record, Setting, recorded_all
 
 SCENE = "in_hand_scene.yaml"

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from somo_cli.arrays import Array
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.solids import Box
-from somo_cli.simulation.springs import Array
 
 GRAVITY = 9.81  # m/s²
 SMOOTHING = 1e-3  # m/s: below it friction goes linearly to zero; a third of it changes 1e-5

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from somo_cli.simulation.springs import Array
+from somo_cli.arrays import Array
 from tests.studies import drawing
 from tests.studies.running import Record, Setting, recorded_all
 

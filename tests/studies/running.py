@@ -11,10 +11,10 @@ from multiprocessing import get_context
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.simulation import columns
 from somo_cli.simulation.plan import make_plan
 from somo_cli.simulation.run import Summary
-from somo_cli.simulation.springs import Array
 from tests.loading import scene_from_file, simulated
 
 

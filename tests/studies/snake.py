@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.loading import load
 from somo_cli.manipulator.compile import compile_definition
-from somo_cli.simulation.springs import Array
 from tests.loading import DEFINITIONS
 from tests.studies import drawing
 from tests.studies.planar_snake import Gait, PlanarSnake

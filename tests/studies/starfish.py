@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.loading import load
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.compile import compile_definition
 from somo_cli.manipulator.kinematics import Pose, link_poses
-from somo_cli.simulation.springs import Array
 from tests.loading import DEFINITIONS
 from tests.studies import drawing
 from tests.studies.running import Record, Setting, recorded_all
