@@ -19,7 +19,7 @@ ifneq ($(PYTHON),$(shell cat $(READY) 2>/dev/null))
 endif
 endif
 
-.PHONY: all help sync demo test test-all check format golden bench truth contact extreme studies build clean
+.PHONY: all help sync demo test test-all check format map golden bench truth contact extreme studies build clean
 .DELETE_ON_ERROR:
 
 all: help
@@ -71,6 +71,9 @@ check: sync ## lint, formatting, types
 format: sync ## format, and mend what the linter can mend
 	$(RUN) ruff check --fix
 	$(RUN) ruff format
+
+map: sync ## draw the rooms of the code and what each imports
+	$(RUN) tests.architecture.map
 
 golden: sync ## write the golden URDFs and messages anew: the diff is the review
 	$(RUN) pytest tests/manipulator/test_golden.py tests/test_cases.py --rewrite-golden

@@ -15,14 +15,14 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO, TextIO
 
-from somo_cli.problems import LARGEST_TEXT, LINE_BREAK, InvalidFile, Problem, Span
+from somo_cli.problems import LINE_BREAK, MAX_TEXT_BYTES, InvalidFile, Problem, Span
 
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:")
 _STREAMS = ("/dev/stdin", "/dev/stdout", "/dev/stderr", "/dev/fd/", "/proc/")
 _NO_FOLLOW = getattr(os, "O_NOFOLLOW", 0)
 
 
-def read_text(path: str, largest: int = LARGEST_TEXT) -> str:
+def read_text(path: str, largest: int = MAX_TEXT_BYTES) -> str:
     """Return the text of a UTF-8 file of at most `largest` bytes, without its byte order mark.
 
     Raises OSError, or InvalidFile for a file that is too large or in another encoding.
@@ -35,7 +35,7 @@ def open_reference(
     reference: str,
     is_outside_allowed: bool = False,
     root: str | None = None,
-    largest: int = LARGEST_TEXT,
+    largest: int = MAX_TEXT_BYTES,
     is_binary: bool = False,
 ) -> tuple[str, str]:
     """Read a file that another file names, relative to that one; return its source and text.
@@ -69,7 +69,7 @@ def open_lines(path: str) -> Iterator[TextIO]:
         yield stream
 
 
-def write_whole(path: str, content: str | bytes) -> None:
+def write_atomically(path: str, content: str | bytes) -> None:
     """Write a file such that it has the old contents or all of the new, never a part.
 
     A symbolic link is followed, the mode of an existing file is kept; devices and pipes are
@@ -80,28 +80,28 @@ def write_whole(path: str, content: str | bytes) -> None:
         with Path(path).open("wb") as device:
             device.write(written)
         return
-    target, mode = _target(path)
+    target, mode = _resolved_target(path)
     temporary = target.with_name(f".somo-{secrets.token_hex(8)}.tmp")
     try:
         stream = os.fdopen(
             os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _NO_FOLLOW, 0o666), "wb"
         )
     except OSError as error:
-        raise _about(error, path) from error
+        raise _with_path(error, path) from error
     try:
         with stream:
             stream.write(written)
-            _settle(stream)
-        _publish(temporary, target, mode)
+            _flush_to_disk(stream)
+        _move_into_place(temporary, target, mode)
     except OSError as error:
         temporary.unlink(missing_ok=True)
-        raise _about(error, path) from error
+        raise _with_path(error, path) from error
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
 
 
-def relative(path: str, other: str) -> str:
+def relative_path(path: str, other: str) -> str:
     """Return a path as the file `other` would name it, with slashes; whole if on another drive."""
     folder = os.path.realpath(Path(other).parent)
     try:
@@ -111,9 +111,9 @@ def relative(path: str, other: str) -> str:
 
 
 def refuse_unwritable(path: str) -> None:
-    """Raise OSError, before long work, where `write_whole` would raise it after."""
+    """Raise OSError, before long work, where `write_atomically` would raise it after."""
     if not is_direct(path):
-        folder = _target(path)[0].parent
+        folder = _resolved_target(path)[0].parent
         if not folder.is_dir():
             raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), path)
         if not os.access(folder, os.W_OK):
@@ -150,14 +150,14 @@ def open_standard_streams() -> None:
 
 
 @contextmanager
-def spool() -> Iterator[BinaryIO]:
+def temporary_file() -> Iterator[BinaryIO]:
     """Give a nameless file to write to and read from, which is gone afterwards. Raises OSError."""
     with tempfile.TemporaryFile() as stream:
         yield stream
 
 
 @contextmanager
-def partial(path: str) -> Iterator[TextIO]:
+def open_partial(path: str) -> Iterator[TextIO]:
     """Give a text stream to `<path>.partial`, which takes the place of the path at the end.
 
     After an exception what was written stays in the partial file and the path keeps its old
@@ -174,18 +174,18 @@ def partial(path: str) -> Iterator[TextIO]:
         with _closing(Path(path).open("w", encoding="utf-8", newline="\n")) as stream:
             yield stream
         return
-    target, mode = _target(path)
+    target, mode = _resolved_target(path)
     unfinished = target.with_name(target.name + ".partial")
     try:
-        raw = _open_alone(unfinished)
+        raw = _open_locked(unfinished)
     except OSError as error:
-        raise _about(error, path) from error
+        raise _with_path(error, path) from error
     stream = os.fdopen(raw, "w", encoding="utf-8", newline="\n")
     try:
         yield stream
-        _settle(stream)
+        _flush_to_disk(stream)
         # Renamed while still locked, so that no other run can take the partial file.
-        _publish(unfinished, target, mode)
+        _move_into_place(unfinished, target, mode)
     except BaseException:
         with suppress(OSError):
             stream.flush()
@@ -198,7 +198,7 @@ def partial(path: str) -> Iterator[TextIO]:
     stream.close()
 
 
-def _read(path: Path, source: str, largest: int = LARGEST_TEXT, is_binary: bool = False) -> str:
+def _read(path: Path, source: str, largest: int = MAX_TEXT_BYTES, is_binary: bool = False) -> str:
     with path.open("rb") as stream:
         content = stream.read(largest + 1)
     start = Span(source, 1, 1)
@@ -232,7 +232,7 @@ def is_direct(path: str) -> bool:
     return not stat.S_ISREG(mode) and not stat.S_ISDIR(mode)
 
 
-def _target(path: str) -> tuple[Path, int | None]:
+def _resolved_target(path: str) -> tuple[Path, int | None]:
     # The file behind all symbolic links, and its mode if it exists.
     target = Path(os.path.realpath(path))
     if path.endswith(os.sep) or target.is_dir():
@@ -247,7 +247,7 @@ def _target(path: str) -> tuple[Path, int | None]:
     return target, mode
 
 
-def _open_alone(path: Path) -> int:
+def _open_locked(path: Path) -> int:
     # Locks the file rather than leaving a lock file, which would outlive a killed run.
     flags = os.O_WRONLY | os.O_CREAT | _NO_FOLLOW | getattr(os, "O_NONBLOCK", 0)
     while True:
@@ -278,12 +278,12 @@ def _lock(raw: int) -> None:
         return  # some network file systems have no locks
 
 
-def _settle(stream: TextIO | BinaryIO) -> None:
+def _flush_to_disk(stream: TextIO | BinaryIO) -> None:
     stream.flush()
     os.fsync(stream.fileno())
 
 
-def _publish(finished: Path, target: Path, mode: int | None) -> None:
+def _move_into_place(finished: Path, target: Path, mode: int | None) -> None:
     if mode is not None:
         finished.chmod(mode)
     finished.replace(target)
@@ -296,7 +296,7 @@ def _publish(finished: Path, target: Path, mode: int | None) -> None:
             os.close(folder)
 
 
-def _about(error: OSError, path: str) -> OSError:
+def _with_path(error: OSError, path: str) -> OSError:
     return OSError(error.errno, error.strerror, path)
 
 

@@ -21,8 +21,11 @@ from somo_cli.problems import (
     Problem,
     has_errors,
 )
-from somo_cli.simulation import meaning, nearness, scene, sorotraj_meaning, thing_files
-from somo_cli.simulation.scene import Scene
+from somo_cli.scene import model as scene_model
+from somo_cli.scene import object_files, proximity
+from somo_cli.scene.checks import scene as scene_checks
+from somo_cli.scene.checks import sorotraj as sorotraj_checks
+from somo_cli.scene.model import Scene
 
 Auto: TypeAlias = Literal["auto"]
 
@@ -46,16 +49,20 @@ def load_text(
     return document
 
 
-def judged(document: Document) -> tuple[Problem, ...]:
+def check(document: Document) -> tuple[Problem, ...]:
     """Return every error and warning about a definition, an assembly, a scene or a trajectory."""
-    if sorotraj_meaning.is_trajectory(document):
-        return sorotraj_meaning.faults_of_file(document)
-    return meaning.faults(document) if scene.is_scene(document) else compiler.faults(document)
+    if sorotraj_checks.is_trajectory(document):
+        return sorotraj_checks.trajectory_file_problems(document)
+    return (
+        scene_checks.scene_problems(document)
+        if scene_model.is_scene(document)
+        else compiler.document_problems(document)
+    )
 
 
 def refuse_trajectory(document: Document) -> None:
     """Raise InvalidFile for a trajectory where a definition or a scene is wanted."""
-    if sorotraj_meaning.is_trajectory(document):
+    if sorotraj_checks.is_trajectory(document):
         place = document.span(("settings",), key=True)
         message = "this is a trajectory, not a manipulator definition or a scene"
         hint = "a scene names it under trajectories"
@@ -65,21 +72,21 @@ def refuse_trajectory(document: Document) -> None:
 def refuse_scene(document: Document) -> None:
     """Raise InvalidFile for a scene, or a trajectory, where a definition is wanted."""
     refuse_trajectory(document)
-    if scene.is_scene(document):
+    if scene_model.is_scene(document):
         place = document.span(("manipulators",), key=True)
         hint = "somo run takes scenes; build the definitions that this one names"
         problem = Problem(place, "this is a scene, not a manipulator definition", hint)
         raise InvalidFile([problem], document.texts)
 
 
-def refuse_several(document: Document, found: scene.Scene, what_is: str) -> None:
+def refuse_multiple(document: Document, found: scene_model.Scene, what_is: str) -> None:
     """Raise InvalidFile for a scene of more than one manipulator, where `what_is` about one."""
     if len(found.manipulators) > 1:
         place = document.span(("manipulators", 1))
         message = f"there are several manipulators, and {what_is} about one"
         raise InvalidFile([Problem(place, message, "give a scene of one")], document.texts)
     if found.manipulators[0].compiled.chain.limbs:
-        is_scene = scene.is_scene(document)
+        is_scene = scene_model.is_scene(document)
         refuse_assembly(document, what_is, ("manipulators", 0, "definition") if is_scene else ())
 
 
@@ -94,7 +101,11 @@ def refuse_assembly(document: Document, what_is: str, at: Pointer = ()) -> None:
 
 def as_scene(document: Document) -> Document:
     """Return a scene as it is, and a definition as the scene of that one manipulator."""
-    return document if scene.is_scene(document) else scene.scene_of_one(document)
+    return (
+        document
+        if scene_model.is_scene(document)
+        else scene_model.single_manipulator_scene(document)
+    )
 
 
 def scene_of(
@@ -106,20 +117,20 @@ def scene_of(
     place of what the scene says. A time step that is left to us is the recommended one.
     """
     refuse_trajectory(document)
-    problems = judged(document)
-    if not scene.is_scene(document) and not has_errors(problems):
+    problems = check(document)
+    if not scene_model.is_scene(document) and not has_errors(problems):
         document = as_scene(document)
-        problems = meaning.faults(document)
+        problems = scene_checks.scene_problems(document)
     if has_errors(problems):
         raise InvalidFile(problems, document.texts)
-    found = scene.read(document)
+    found = scene_model.read_scene(document)
     if every is not None:
         found = dataclasses.replace(found, every=every)
     if time_step == "auto":
-        found = dataclasses.replace(found, is_step_chosen=True)
+        found = dataclasses.replace(found, is_time_step_automatic=True)
     elif time_step is not None:
-        found = dataclasses.replace(found, time_step=time_step, is_step_chosen=False)
-    return (_with_chosen_step(found, document) if found.is_step_chosen else found), problems
+        found = dataclasses.replace(found, time_step=time_step, is_time_step_automatic=False)
+    return (_with_chosen_step(found, document) if found.is_time_step_automatic else found), problems
 
 
 def refuse_overlaps(document: Document, found: Scene) -> None:
@@ -135,15 +146,15 @@ def overlaps(document: Document, found: Scene | None = None) -> tuple[Problem, .
     `found` is what the document means, if that is known. What cannot be told is none: of a
     definition, or where there is no engine to ask.
     """
-    if not scene.is_scene(document):
+    if not scene_model.is_scene(document):
         return ()
-    found = found or scene.read(document)
-    if not nearness.is_crowded(found):
+    found = found or scene_model.read_scene(document)
+    if not proximity.can_overlap_at_start(found):
         return ()
     # the engine is the judge, since it decides what pushes what; most scenes need not ask it
-    from somo_cli.simulation import overlap
-    from somo_cli.simulation.bullet import BulletWorld
-    from somo_cli.simulation.plan import make_plan
+    from somo_cli.scene.checks import overlap as overlap_checks
+    from somo_cli.simulation.engine.bullet.world import BulletWorld
+    from somo_cli.simulation.plan.model import make_plan
 
     plan = make_plan(found)
     try:
@@ -152,32 +163,32 @@ def overlaps(document: Document, found: Scene | None = None) -> tuple[Problem, .
     except (EngineMissing, EngineRefused):
         return ()  # a run says so
     lengths = {pair: depth / plan.scale.length for pair, depth in depths.items()}
-    return tuple(overlap.faults(document, found, lengths))
+    return tuple(overlap_checks.overlap_problems(document, found, lengths))
 
 
 def _with_chosen_step(found: Scene, document: Document) -> Scene:
     # numpy and more, which few scenes need before they run
-    from somo_cli.analysis.modes import NotAnInertia
+    from somo_cli.analysis.modes import SingularInertia
     from somo_cli.analysis.stability import recommended_step
-    from somo_cli.simulation.plan import make_plan
+    from somo_cli.simulation.plan.model import make_plan
 
     try:
         step, error = recommended_step(make_plan(found))
-    except NotAnInertia as fault:
+    except SingularInertia as fault:
         place = document.span(("time_step",))
         message = f"no time step can be chosen: {fault}"
         raise InvalidFile([Problem(place, message, "give a time_step")], document.texts) from fault
-    return dataclasses.replace(found, time_step=step, expected_error=error)
+    return dataclasses.replace(found, time_step=step, expected_tip_error=error)
 
 
 def _with_parts(document: Document, allow_outside: bool) -> Document:
-    is_scene = scene.is_scene(document)
-    places = scene.PLACES_OF_FILES if is_scene else compiler.PLACES_OF_FILES
+    is_scene = scene_model.is_scene(document)
+    places = scene_model.FILE_POINTERS if is_scene else compiler.FILE_POINTERS
     open_text = partial(files.open_reference, is_outside_allowed=allow_outside)
     document, problems = include(document, places, open_text)
     if is_scene:
-        document, more = thing_files.include_all(document, open_text)
+        document, more = object_files.include_object_files(document, open_text)
         problems += more
     if problems:
-        raise InvalidFile([*problems, *judged(document)], document.texts)
+        raise InvalidFile([*problems, *check(document)], document.texts)
     return document

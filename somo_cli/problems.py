@@ -13,7 +13,7 @@ Pointer: TypeAlias = tuple[str | int, ...]
 LINE_BREAK = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
 """Where the lines of a text end for YAML, and so for a Span."""
 
-LARGEST_TEXT = 1_000_000
+MAX_TEXT_BYTES = 1_000_000
 """The most a file of ours may hold [bytes]."""
 
 

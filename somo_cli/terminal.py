@@ -12,37 +12,37 @@ from contextlib import contextmanager, suppress
 
 from somo_cli.problems import LINE_BREAK, Problem
 
-_WIDEST = 100  # columns of a source line
-_LONGEST = 2000  # characters of a message
-_MOST = 500  # problems
+_MAX_COLUMNS = 100  # columns of a source line
+_MAX_CHARACTERS = 2000  # characters of a message
+_MAX_PROBLEMS = 500  # problems
 _STYLES = {"error": "bold red", "warning": "bold yellow", "info": "bold blue"}
-_PAUSE = 0.1  # between two drawings of the progress bar [s]
+_REDRAW_INTERVAL = 0.1  # between two drawings of the progress bar [s]
 
 # GitHub runs such lines as commands, after stripping blanks.
 _COMMAND = re.compile(r"^\s*(?P<double>:)(?=:)|(?P<hash>#)(?=#\[)")
 
 
-def say_problems(problems: Iterable[Problem], texts: Mapping[str, str]) -> None:
+def print_problems(problems: Iterable[Problem], texts: Mapping[str, str]) -> None:
     """Write problems to standard error, each with its source line and a caret."""
     known = tuple(problems)
     lines: dict[str, list[str]] = {}
     written: list[tuple[str, str]] = []
-    for problem in known[:_MOST]:
+    for problem in known[:_MAX_PROBLEMS]:
         source = problem.span.source
         if source not in lines:
             lines[source] = LINE_BREAK.split(texts.get(source, ""))
         written += _report(problem, lines[source])
-    if len(known) > _MOST:
-        written.append(("", f"and {len(known) - _MOST} more"))
+    if len(known) > _MAX_PROBLEMS:
+        written.append(("", f"and {len(known) - _MAX_PROBLEMS} more"))
     _write(written)
 
 
-def say(message: str) -> None:
+def print_message(message: str) -> None:
     """Write one line to standard error."""
     _write([("", _escaped(message))])
 
 
-def say_lines(lines: Iterable[str]) -> None:
+def print_lines(lines: Iterable[str]) -> None:
     """Write lines to standard error."""
     _write([("", _escaped(line)) for line in lines])
 
@@ -71,13 +71,13 @@ def progress(total: int, description: str) -> Iterator[Callable[[int], None]]:
     )
     with bar:
         task = bar.add_task(_escaped(description), total=total)
-        drawn = -_PAUSE
+        drawn = -_REDRAW_INTERVAL
 
         def advance(done: int) -> None:
             nonlocal drawn
             now = time.monotonic()
             # A step of a simulation is shorter than an update of the bar.
-            if now - drawn >= _PAUSE or done >= total:
+            if now - drawn >= _REDRAW_INTERVAL or done >= total:
                 drawn = now
                 bar.update(task, completed=done)
 
@@ -104,17 +104,17 @@ def _report(problem: Problem, source: Sequence[str]) -> list[tuple[str, str]]:
 def _excerpt(line: str, column: int, width: int) -> tuple[str, str]:
     # The line around a column, and the carets under it. A line may be a megabyte long, so it is
     # cut roughly before it is measured.
-    start = max(0, column - _WIDEST)
-    cells = _cells(line[start : column + _WIDEST + 1])
+    start = max(0, column - _MAX_COLUMNS)
+    cells = _cells(line[start : column + _MAX_COLUMNS + 1])
     widths = [_width(cell) for cell in cells]
     column -= start
     first = 0 if start else min(len(line) - len(line.lstrip()), column)
     last = len(cells)
     before = after = ""
-    if start or sum(widths[first:]) > _WIDEST:
-        room = _WIDEST - len("...  ...")
-        indent, first = first, max(first, _back(widths, column, room // 2))
-        last = _forth(widths, first, room)
+    if start or sum(widths[first:]) > _MAX_COLUMNS:
+        room = _MAX_COLUMNS - len("...  ...")
+        indent, first = first, max(first, _first_that_fits(widths, column, room // 2))
+        last = _last_that_fits(widths, first, room)
         before = "... " if start or first > indent else ""
         after = " ..." if last < len(cells) or len(cells) < len(line) - start else ""
     shown = "".join(cells[first:last]).rstrip()
@@ -122,14 +122,14 @@ def _excerpt(line: str, column: int, width: int) -> tuple[str, str]:
     return before + shown + after, " " * (len(before) + sum(widths[first:column])) + carets
 
 
-def _back(widths: list[int], column: int, room: int) -> int:
+def _first_that_fits(widths: list[int], column: int, room: int) -> int:
     while column > 0 and room >= widths[column - 1]:
         column -= 1
         room -= widths[column]
     return column
 
 
-def _forth(widths: list[int], first: int, room: int) -> int:
+def _last_that_fits(widths: list[int], first: int, room: int) -> int:
     while first < len(widths) and room >= widths[first]:
         room -= widths[first]
         first += 1
@@ -137,7 +137,9 @@ def _forth(widths: list[int], first: int, room: int) -> int:
 
 
 def _escaped(text: str) -> str:
-    return "".join(_cells(text if len(text) <= _LONGEST else text[:_LONGEST] + " ..."))
+    return "".join(
+        _cells(text if len(text) <= _MAX_CHARACTERS else text[:_MAX_CHARACTERS] + " ...")
+    )
 
 
 def _cells(line: str) -> list[str]:

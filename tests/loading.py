@@ -10,11 +10,11 @@ import numpy as np
 
 from somo_cli.arrays import Array
 from somo_cli.loading import load_text, scene_of
+from somo_cli.scene.model import Scene
 from somo_cli.simulation import run
-from somo_cli.simulation.bullet import BulletWorld
-from somo_cli.simulation.plan import Plan, make_plan
-from somo_cli.simulation.run import Summary
-from somo_cli.simulation.scene import Scene
+from somo_cli.simulation.engine.bullet.world import BulletWorld
+from somo_cli.simulation.plan.model import Plan, make_plan
+from somo_cli.simulation.run import RunSummary
 
 DEFINITIONS = Path(__file__).parents[1] / "definitions"
 
@@ -35,7 +35,7 @@ def rows_of(scene_or_plan: Scene | Plan, steps: int) -> list[list[float]]:
     return simulated(scene_or_plan, steps)[0]
 
 
-def simulated(scene_or_plan: Scene | Plan, steps: int) -> tuple[list[list[float]], Summary]:
+def simulated(scene_or_plan: Scene | Plan, steps: int) -> tuple[list[list[float]], RunSummary]:
     """Simulate and return the recorded rows and the summary."""
     plan = scene_or_plan if isinstance(scene_or_plan, Plan) else make_plan(scene_or_plan)
     rows: list[list[float]] = []

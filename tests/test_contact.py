@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from somo_cli.calibration.levers import of_definition
+from somo_cli.calibration.moment_arms import of_definition
 from somo_cli.problems import SimulationDiverged
-from somo_cli.simulation import bullet_contact
-from somo_cli.simulation.columns import header
-from somo_cli.simulation.plan import make_plan
+from somo_cli.scene.columns import header
+from somo_cli.simulation.engine.bullet import collision_filter
+from somo_cli.simulation.plan.model import make_plan
 from tests.conftest import Somo
 from tests.contact import second_opinion
 from tests.contact.candidates import EXPLICIT, PLAIN, Candidate, filters
@@ -42,9 +42,9 @@ def test_blocked_force_is_that_of_the_closed_form(step: float) -> None:
     compiled = scene.manipulators[0].compiled
     base = compiled.chain.length - 0.1
     # the force acts on the middle of the ball, which is beyond the end of the actuator
-    levers = dataclasses.replace(of_definition(compiled.definition, 0, 0), at=REACH - base)
+    moment_arms = dataclasses.replace(of_definition(compiled.definition, 0, 0), at=REACH - base)
     found = trial(blocked(), step).figure
-    assert found == pytest.approx(levers.blocked_force(0.005), rel=1e-3)
+    assert found == pytest.approx(moment_arms.blocked_force(0.005), rel=1e-3)
     assert found == pytest.approx(trial(blocked(), FINE, EXPLICIT).figure, rel=1e-9)
 
 
@@ -170,8 +170,8 @@ def test_a_run_that_follows_contact_says_nothing(somo: Somo, tmp_path: Path) -> 
 def test_the_solver_stops_where_more_of_it_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = dataclasses.replace(scene_from_file("lift_scene.yaml"), every=100)
     rows = np.array(rows_of(scene, 700))
-    monkeypatch.setattr(bullet_contact, "residual", lambda plan: 1e-30)
+    monkeypatch.setattr(collision_filter, "residual", lambda plan: 1e-30)
     exact = np.array(rows_of(scene, 700))
-    names = header(make_plan(scene))
+    names = header(make_plan(scene).recorded)
     poses = [place for place, name in enumerate(names) if ".pose." in name or "angle" in name]
     assert np.abs(rows - exact)[:, poses].max() < 1e-9

@@ -7,7 +7,7 @@ import functools
 
 import pytest
 
-from somo_cli.simulation.scene import Integrator
+from somo_cli.scene.model import Integrator
 from tests.extreme.__main__ import MATRIX
 from tests.extreme.case import Case, read_cases
 from tests.extreme.edge import MARGIN, edge, is_stable, predicted_limit

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from somo_cli import files
-from somo_cli.files import open_reference, partial, read_text, write_whole
+from somo_cli.files import open_partial, open_reference, read_text, write_atomically
 from somo_cli.problems import InvalidFile, Problem, Span
 
 ROOT = getattr(os, "geteuid", lambda: 1)() == 0
@@ -193,7 +193,7 @@ def test_a_reference_to_nothing_raises(tree: Path) -> None:
 
 def test_a_file_is_written_as_the_umask_says(tmp_path: Path) -> None:
     path = tmp_path / "f.urdf"
-    write_whole(str(path), "ü\n")
+    write_atomically(str(path), "ü\n")
     assert path.read_bytes() == "ü\n".encode()
     assert mode_of(path) == 0o640
     assert names(tmp_path) == ["f.urdf"]
@@ -203,7 +203,7 @@ def test_an_existing_file_keeps_its_mode(tmp_path: Path) -> None:
     path = tmp_path / "f.urdf"
     path.write_text("a much longer old text")
     path.chmod(0o604)
-    write_whole(str(path), "new")
+    write_atomically(str(path), "new")
     assert (path.read_text(), mode_of(path)) == ("new", 0o604)
 
 
@@ -212,11 +212,11 @@ def test_a_symbolic_link_stays_one(tmp_path: Path) -> None:
     link, real = tmp_path / "link", tmp_path / "real" / "file"
     link.symlink_to(real)
     for text in ("created", "replaced"):
-        write_whole(str(link), text)
+        write_atomically(str(link), text)
         assert link.is_symlink()
         assert real.read_text() == text
         assert names(tmp_path / "real") == ["file"]
-    with partial(str(link)) as stream:
+    with open_partial(str(link)) as stream:
         stream.write("streamed")
     assert link.is_symlink()
     assert real.read_text() == "streamed"
@@ -238,10 +238,10 @@ def test_a_failure_leaves_the_old_file_and_nothing_else(
     elif call in ("replace", "chmod"):
         monkeypatch.setattr(Path, call, fail)
     else:
-        monkeypatch.setattr(files, "_settle", fail)
+        monkeypatch.setattr(files, "_flush_to_disk", fail)
     expected = KeyboardInterrupt if call == "interrupt" else OSError
     with pytest.raises(expected) as caught:
-        write_whole(str(path), "new")
+        write_atomically(str(path), "new")
     if isinstance(caught.value, OSError):
         assert (caught.value.errno, caught.value.filename) == (errno.ENOSPC, str(path))
     monkeypatch.undo()
@@ -250,7 +250,10 @@ def test_a_failure_leaves_the_old_file_and_nothing_else(
 
 
 def test_a_place_that_cannot_be_written_raises_with_its_name(tmp_path: Path) -> None:
-    for write in (lambda path: write_whole(path, "x"), lambda path: partial(path).__enter__()):
+    for write in (
+        lambda path: write_atomically(path, "x"),
+        lambda path: open_partial(path).__enter__(),
+    ):
         with pytest.raises(FileNotFoundError) as missing:
             write(str(tmp_path / "none" / "f"))
         assert missing.value.filename == str(tmp_path / "none" / "f")
@@ -267,8 +270,8 @@ def test_a_read_only_file_is_not_replaced(tmp_path: Path) -> None:
     path.write_text("old")
     path.chmod(0o444)
     with pytest.raises(PermissionError):
-        write_whole(str(path), "new")
-    with pytest.raises(PermissionError), partial(str(path)):
+        write_atomically(str(path), "new")
+    with pytest.raises(PermissionError), open_partial(str(path)):
         pass
     assert (path.read_text(), names(tmp_path)) == ("old", ["f"])
 
@@ -280,14 +283,14 @@ def test_no_permission_to_write_is_respected(
     path.write_text("old")
     monkeypatch.setattr(os, "access", lambda *_: False)
     with pytest.raises(PermissionError) as caught:
-        write_whole(str(path), "new")
+        write_atomically(str(path), "new")
     assert caught.value.filename == str(path)
     assert path.read_text() == "old"
 
 
 def test_devices_and_pipes_are_written_directly(tmp_path: Path) -> None:
-    write_whole("/dev/null", "text")
-    with partial("/dev/null") as stream:
+    write_atomically("/dev/null", "text")
+    with open_partial("/dev/null") as stream:
         stream.write("text")
     assert stat.S_ISCHR(Path("/dev/null").stat().st_mode)
     pipe = tmp_path / "pipe"
@@ -297,9 +300,9 @@ def test_devices_and_pipes_are_written_directly(tmp_path: Path) -> None:
         reader = threading.Thread(target=lambda: read.append(pipe.read_text()))
         reader.start()
         if not read:
-            write_whole(str(pipe), "whole")
+            write_atomically(str(pipe), "whole")
         else:
-            with partial(str(pipe)) as stream:
+            with open_partial(str(pipe)) as stream:
                 stream.write("rows")
         reader.join()
     assert read == ["whole", "rows"]
@@ -308,13 +311,13 @@ def test_devices_and_pipes_are_written_directly(tmp_path: Path) -> None:
 
 def test_a_full_device_raises() -> None:
     with pytest.raises(OSError, match="No space left"):
-        write_whole("/dev/full", "text")
-    with pytest.raises(OSError, match="No space left"), partial("/dev/full") as stream:
+        write_atomically("/dev/full", "text")
+    with pytest.raises(OSError, match="No space left"), open_partial("/dev/full") as stream:
         stream.write("text")
 
 
 def test_dev_stdout_is_not_replaced(tmp_path: Path) -> None:
-    code = "from somo_cli.files import write_whole; write_whole('/dev/stdout', 'x')"
+    code = "from somo_cli.files import write_atomically; write_atomically('/dev/stdout', 'x')"
     out = tmp_path / "out"
     with out.open("w") as stream:
         number = os.fstat(stream.fileno()).st_ino
@@ -329,7 +332,7 @@ def test_the_file_appears_when_the_rows_are_complete(tmp_path: Path) -> None:
     path = tmp_path / "f.csv"
     path.write_text("old")
     path.chmod(0o600)
-    with partial(str(path)) as stream:
+    with open_partial(str(path)) as stream:
         stream.write("a,ü\n")
         stream.flush()
         assert path.read_text() == "old"
@@ -341,7 +344,7 @@ def test_the_file_appears_when_the_rows_are_complete(tmp_path: Path) -> None:
 
 
 def test_a_new_file_has_the_mode_the_umask_says(tmp_path: Path) -> None:
-    with partial(str(tmp_path / "f.csv")):
+    with open_partial(str(tmp_path / "f.csv")):
         pass
     assert mode_of(tmp_path / "f.csv") == 0o640
 
@@ -355,7 +358,7 @@ def test_after_an_exception_the_rows_so_far_are_kept_aside(
     streams = []
 
     def run_until_error() -> None:
-        with partial(str(path)) as stream:
+        with open_partial(str(path)) as stream:
             streams.append(stream)
             stream.write("row\n")
             raise error
@@ -367,14 +370,14 @@ def test_after_an_exception_the_rows_so_far_are_kept_aside(
     assert path.read_text() == "old"
     assert (tmp_path / "f.csv.partial").read_text() == "row\n"
     # The next run starts anew.
-    with partial(str(path)) as stream:
+    with open_partial(str(path)) as stream:
         stream.write("2\n")
     assert path.read_text() == "2\n"
     assert names(tmp_path) == ["f.csv"]
 
 
 def test_without_a_row_nothing_is_kept(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="x"), partial(str(tmp_path / "f.csv")):
+    with pytest.raises(ValueError, match="x"), open_partial(str(tmp_path / "f.csv")):
         raise ValueError("x")
     assert names(tmp_path) == []
 
@@ -390,7 +393,7 @@ def test_a_failure_at_the_end_keeps_the_old_file(
         raise OSError(errno.EIO, os.strerror(errno.EIO))
 
     monkeypatch.setattr(os if call == "fsync" else Path, call, fail)
-    with pytest.raises(OSError, match="Input/output"), partial(str(path)) as stream:
+    with pytest.raises(OSError, match="Input/output"), open_partial(str(path)) as stream:
         stream.write("row\n")
     monkeypatch.undo()
     assert path.read_text() == "old"
@@ -399,11 +402,11 @@ def test_a_failure_at_the_end_keeps_the_old_file(
 
 def test_a_full_disk_is_an_error_even_for_the_last_rows(tmp_path: Path) -> None:
     code = (
-        "import resource, signal, sys; from somo_cli.files import partial\n"
+        "import resource, signal, sys; from somo_cli.files import open_partial\n"
         "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
         "resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))\n"
         "try:\n"
-        "  with partial(sys.argv[1]) as stream:\n"
+        "  with open_partial(sys.argv[1]) as stream:\n"
         "    stream.write('row\\n' * 1500)\n"
         "except OSError as error:\n"
         "  sys.exit(error.strerror)\n"
@@ -417,11 +420,11 @@ def test_a_full_disk_is_an_error_even_for_the_last_rows(tmp_path: Path) -> None:
 
 def test_two_runs_cannot_write_one_file(tmp_path: Path) -> None:
     path = str(tmp_path / "f.csv")
-    with partial(path) as stream:
+    with open_partial(path) as stream:
         stream.write("first\n")
         stream.flush()
         with pytest.raises(OSError, match="another run is writing this file") as caught:
-            partial(path).__enter__()
+            open_partial(path).__enter__()
         assert caught.value.filename == path
     assert (tmp_path / "f.csv").read_text() == "first\n"
 
@@ -431,7 +434,7 @@ def test_a_partial_file_that_is_a_link_is_not_followed(tmp_path: Path) -> None:
     victim.write_text("precious")
     (tmp_path / "f.csv.partial").symlink_to(victim)
     with pytest.raises(OSError, match="symbolic"):
-        partial(str(tmp_path / "f.csv")).__enter__()
+        open_partial(str(tmp_path / "f.csv")).__enter__()
     assert victim.read_text() == "precious"
 
 
@@ -442,9 +445,9 @@ def run(code: str, **streams: object) -> subprocess.Popen[str]:
 
 def test_standard_output_is_safe_from_redirections_of_its_descriptor() -> None:
     code = (
-        "import os; from somo_cli.files import partial\n"
+        "import os; from somo_cli.files import open_partial\n"
         "print('before')\n"
-        "with partial('-') as stream:\n"
+        "with open_partial('-') as stream:\n"
         "  stream.write('a\\n')\n"
         "  os.dup2(os.open(os.devnull, os.O_WRONLY), 1)\n"
         "  os.write(1, b'noise\\n')\n"
@@ -456,8 +459,8 @@ def test_standard_output_is_safe_from_redirections_of_its_descriptor() -> None:
 
 def test_standard_output_stays_open() -> None:
     code = (
-        "from somo_cli.files import partial\n"
-        "with partial('-') as stream: stream.write('a\\n')\n"
+        "from somo_cli.files import open_partial\n"
+        "with open_partial('-') as stream: stream.write('a\\n')\n"
         "print('b')\n"
     )
     assert run(code, stdout=subprocess.PIPE).communicate() == ("a\nb\n", "")
@@ -465,9 +468,9 @@ def test_standard_output_stays_open() -> None:
 
 def test_a_closed_pipe_is_told_to_the_caller() -> None:
     code = (
-        "import sys; from somo_cli.files import partial\n"
+        "import sys; from somo_cli.files import open_partial\n"
         "try:\n"
-        "  with partial('-') as stream:\n"
+        "  with open_partial('-') as stream:\n"
         "    sys.stdin.readline()\n"
         "    for _ in range(int(sys.argv[1])): stream.write('row\\n' * 100)\n"
         "except BrokenPipeError:\n"
@@ -492,9 +495,9 @@ def test_a_closed_pipe_is_told_to_the_caller() -> None:
 def test_a_closed_standard_output_raises() -> None:
     code = (
         "import os; os.close(1)\n"
-        "from somo_cli.files import partial\n"
+        "from somo_cli.files import open_partial\n"
         "try:\n"
-        "  partial('-').__enter__()\n"
+        "  open_partial('-').__enter__()\n"
         "except OSError as error:\n"
         "  os.write(2, error.strerror.encode())\n"
         "os._exit(0)\n"
@@ -503,7 +506,7 @@ def test_a_closed_standard_output_raises() -> None:
 
 
 def test_output_is_the_same_bytes_in_every_locale(tmp_path: Path) -> None:
-    with contextlib.redirect_stdout(io.StringIO()), partial(str(tmp_path / "f")) as stream:
+    with contextlib.redirect_stdout(io.StringIO()), open_partial(str(tmp_path / "f")) as stream:
         stream.write("1.5\r\nü\n")
     assert (tmp_path / "f").read_bytes() == "1.5\r\nü\n".encode()
 
@@ -521,8 +524,8 @@ def test_a_path_as_another_file_would_name_it(
 ) -> None:
     (tmp_path / "a/b").mkdir(parents=True)
     monkeypatch.chdir(tmp_path)
-    assert files.relative(path, other) == named
-    assert files.relative(str(tmp_path / path), other) == named
+    assert files.relative_path(path, other) == named
+    assert files.relative_path(str(tmp_path / path), other) == named
 
 
 def test_what_cannot_be_written_is_refused_and_nothing_is_made(tmp_path: Path) -> None:

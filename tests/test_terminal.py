@@ -10,13 +10,13 @@ import time
 import pytest
 
 from somo_cli.problems import Problem, Span
-from somo_cli.terminal import progress, say, say_problems
+from somo_cli.terminal import print_message, print_problems, progress
 
 
 def shown(
     capsys: pytest.CaptureFixture[str], problem: Problem, text: str | None = None
 ) -> list[str]:
-    say_problems([problem], {} if text is None else {problem.span.source: text})
+    print_problems([problem], {} if text is None else {problem.span.source: text})
     out, err = capsys.readouterr()
     assert out == ""
     assert err.endswith("\n")
@@ -24,7 +24,7 @@ def shown(
 
 
 def test_a_problem_has_its_line_a_caret_and_a_hint(capsys: pytest.CaptureFixture[str]) -> None:
-    say_problems(
+    print_problems(
         [
             Problem(Span("f.yaml", 2, 5, 6), "unknown key 'lenght'", "did you mean 'length'?"),
             Problem(Span("g.yaml", 1, 4), "strange", severity="warning"),
@@ -94,7 +94,7 @@ def test_a_line_of_a_megabyte_takes_no_time(capsys: pytest.CaptureFixture[str]) 
     text = "x" * 1_000_000
     problems = [Problem(Span("f", 1, i * 1_000, 10_000), "bad") for i in range(1, 500)]
     start = time.process_time()
-    say_problems(problems, {"f": text})
+    print_problems(problems, {"f": text})
     assert time.process_time() - start < 10
     assert max(map(len, capsys.readouterr().err.split("\n"))) <= 104
 
@@ -114,8 +114,8 @@ def test_a_line_of_a_hundred_columns_is_whole(capsys: pytest.CaptureFixture[str]
 def test_nothing_can_start_a_line_with_a_command(
     capsys: pytest.CaptureFixture[str], nasty: str
 ) -> None:
-    say_problems([Problem(Span(nasty, 1, 1), nasty, nasty)], {nasty: nasty})
-    say(nasty)
+    print_problems([Problem(Span(nasty, 1, 1), nasty, nasty)], {nasty: nasty})
+    print_message(nasty)
     out, err = capsys.readouterr()
     assert out == ""
     for line in err.splitlines():
@@ -124,14 +124,14 @@ def test_nothing_can_start_a_line_with_a_command(
 
 
 def test_a_message_is_one_line_of_some_length(capsys: pytest.CaptureFixture[str]) -> None:
-    say("a\nb\x1b[31m [bold]c[/bold] :smile: ü")
+    print_message("a\nb\x1b[31m [bold]c[/bold] :smile: ü")
     assert capsys.readouterr().err == "a\\nb\\x1b[31m [bold]c[/bold] :smile: ü\n"
-    say("x" * 1_000_000)
+    print_message("x" * 1_000_000)
     assert len(capsys.readouterr().err) < 3_000
 
 
 def test_a_thousand_problems_are_not_all_said(capsys: pytest.CaptureFixture[str]) -> None:
-    say_problems([Problem(Span("f", i, 1), "bad") for i in range(1, 1_001)], {})
+    print_problems([Problem(Span("f", i, 1), "bad") for i in range(1, 1_001)], {})
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 501
     assert lines[-1] == "and 500 more"
@@ -149,7 +149,7 @@ def test_without_standard_error_nothing_is_said(
     if stream == "closed" and replacement is not None:
         replacement.close()
     monkeypatch.setattr(sys, "stderr", replacement)
-    say("x")
+    print_message("x")
     with progress(3, "x") as advance:
         advance(1)
 
@@ -157,9 +157,9 @@ def test_without_standard_error_nothing_is_said(
 CODE = """
 import sys
 from somo_cli.problems import Problem, Span
-from somo_cli.terminal import progress, say, say_problems
-say("hello [b]x[/b]")
-say_problems([Problem(Span("f", 1, 4), "bad " + "y" * 200, "do :smile:")], {"f": "a: [x]"})
+from somo_cli.terminal import progress, print_message, print_problems
+print_message("hello [b]x[/b]")
+print_problems([Problem(Span("f", 1, 4), "bad " + "y" * 200, "do :smile:")], {"f": "a: [x]"})
 with progress(1000, "running [red]") as advance:
     for i in range(1001):
         advance(i)

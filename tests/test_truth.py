@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from somo_cli.analysis import closed_forms
-from somo_cli.calibration.deflection import following
+from somo_cli.calibration.beam_comparison import compare_with_beam
 from somo_cli.manipulator.definition import Placement
 from tests.bench.accuracy import MOTIONS, scene_of, truth_of
 from tests.truth import against_mujoco, beams, calibrated, estimates, motion
@@ -58,7 +58,7 @@ def test_a_calibrated_chain_has_the_tip_stiffness_asked_for(
     s = np.linspace(0, 1, 401)
     chain = np.interp(s * calibrated.LENGTH, np.append(0, heights), np.append(0, off))
     apart = np.abs(chain / off[-1] - s * s * (3 - s) / 2).max()
-    told = following(calibrated.axis_of(count, axis, placement), placement)
+    told = compare_with_beam(calibrated.axis_of(count, axis, placement), placement)
     assert apart == pytest.approx(told.along, rel=1e-4)
 
 

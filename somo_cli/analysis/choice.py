@@ -4,60 +4,68 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from somo_cli.analysis.study import Case, Cut, Study
+from somo_cli.analysis.study import Discretization, Study, StudyCase
 
 
 @dataclass(frozen=True, slots=True)
-class Choice:
+class RatedCase:
     """A case, and the error of its tip relative to the length: of the solver and of the chain."""
 
-    case: Case
-    cut: Cut
+    case: StudyCase
+    discretization: Discretization
     solver: float
     model: float | None
 
     @property
-    def larger(self) -> float:
-        """The larger of the two errors; the two are never added, since neither knows its sign."""
+    def larger_error(self) -> float:
+        """The larger_error of the two errors; the two are never added, since neither knows its sign."""
         return max(self.solver, self.model or 0.0)
 
 
-def choices(study: Study) -> tuple[Choice, ...]:
+def rated_cases(study: Study) -> tuple[RatedCase, ...]:
     """Return every case that ran to its end, with its errors; the cheapest first."""
-    cuts = {cut.segments: cut for cut in study.cuts}
+    discretizations = {
+        discretization.segments: discretization for discretization in study.discretizations
+    }
     found = []
     for case in study.cases:
         if case.status != "ok":
             continue
-        cut = cuts[case.segments]
+        discretization = discretizations[case.segments]
         model = None
         if study.model:
             least = study.model_error
-            model = (least if cut.model is None else cut.model.maximum) / cut.length
+            model = (
+                least if discretization.model is None else discretization.model.maximum
+            ) / discretization.length
         error = case.errors["tip_position"]
-        least = cut.reference.error["tip_position"]
-        solver = (least if error is None else error.maximum) / cut.length
-        found.append(Choice(case, cut, solver, model))
+        least = discretization.reference.error["tip_position"]
+        solver = (least if error is None else error.maximum) / discretization.length
+        found.append(RatedCase(case, discretization, solver, model))
     return tuple(sorted(found, key=lambda one: one.case.run_time))
 
 
-def cheapest(study: Study, target: float) -> Choice | None:
+def cheapest(study: Study, target: float) -> RatedCase | None:
     """Return the case of least run time whose errors are both at most `target` of the length."""
-    return next((one for one in choices(study) if one.larger <= target), None)
+    return next((one for one in rated_cases(study) if one.larger_error <= target), None)
 
 
-def nearest(study: Study) -> Choice | None:
-    """Return the case whose larger error is smallest."""
-    return min(choices(study), key=lambda one: one.larger, default=None)
+def most_accurate(study: Study) -> RatedCase | None:
+    """Return the case whose larger_error error is smallest."""
+    return min(rated_cases(study), key=lambda one: one.larger_error, default=None)
 
 
-def balanced(study: Study) -> tuple[Choice, ...]:
+def balanced(study: Study) -> tuple[RatedCase, ...]:
     """Return, for each number of segments, the cheapest case whose solver errs less than its chain.
 
     More accurate steps would be wasted on such a chain, and fewer would waste its joints.
     """
-    found: dict[int | None, Choice] = {}
-    for one in choices(study):
+    found: dict[int | None, RatedCase] = {}
+    for one in rated_cases(study):
         if one.model is not None and one.solver <= one.model:
             found.setdefault(one.case.segments, one)
-    return tuple(found[cut.segments] for cut in study.cuts if cut.segments in found)
+    return tuple(
+        found[discretization.segments]
+        for discretization in study.discretizations
+        if discretization.segments in found
+    )

@@ -14,12 +14,12 @@ from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.definition import MAXIMUM_JOINTS
 from somo_cli.manipulator.solids import AnySolid, Box, Cylinder, Sphere
 from somo_cli.problems import Pointer, Problem
-from somo_cli.simulation.dynamics import ChainDynamics
-from somo_cli.simulation.plan import Body, Plan
-from somo_cli.simulation.vibration import FROZEN, inertia_felt
+from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
+from somo_cli.simulation.dynamics.modal import FROZEN, inertia_felt
+from somo_cli.simulation.plan.model import Body, Plan
 
 MASS_RATIO = 1e3  # between neighbours: beyond, rounding takes three digits of the lighter one
-SMALLEST = 0.1  # engine units; Bullet's collision margins are 0.04
+SMALLEST_CONTACT_SIZE = 0.1  # engine units; Bullet's collision margins are 0.04
 LARGEST_INERTIA = 1.0  # engine units, in turned axes; see BulletDynamics.mass_matrix
 MANY_JOINTS = 100
 
@@ -27,11 +27,11 @@ MANY_JOINTS = 100
 def findings(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterator[Problem]:
     """Yield what is hard about a body, whose manipulator is at a pointer of the document."""
     definition: Pointer = (*at, "definition")
-    yield from _masses(plan, body, document, definition)
-    yield from _inertias(plan, body, document, definition)
-    yield from _rows(body, document, definition)
+    yield from _mass_findings(plan, body, document, definition)
+    yield from _inertia_findings(plan, body, document, definition)
+    yield from _row_findings(body, document, definition)
     if plan.can_touch:
-        yield from _sizes(plan, body, document, definition)
+        yield from _size_findings(plan, body, document, definition)
     count = len(body.chain.joints)
     if count > MANY_JOINTS:
         yield Problem(
@@ -42,7 +42,7 @@ def findings(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterato
         )
 
 
-def _masses(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterator[Problem]:
+def _mass_findings(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterator[Problem]:
     masses = [link.inertial.mass for link in body.chain.links]
     first = 1 if body.base == "static" else 0  # a base that cannot move has no mass
     for index in range(first, len(masses) - 1):
@@ -51,7 +51,7 @@ def _masses(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterator
         if ratio > MASS_RATIO:
             names = [body.chain.links[link].name for link in (heavy, light)]
             yield Problem(
-                document.span(_place_of(body.chain, document, at, light)),
+                document.span(_pointer_of(body.chain, document, at, light)),
                 f"{names[0]} is {ratio:.3g} times as heavy as its neighbour {names[1]}",
                 f"a ratio below {MASS_RATIO:g} keeps its digits: make {names[1]} heavier than "
                 f"{masses[heavy] / MASS_RATIO / plan.scale.mass:.3g} kg",
@@ -61,7 +61,7 @@ def _masses(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterator
             return
 
 
-def _inertias(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterator[Problem]:
+def _inertia_findings(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterator[Problem]:
     for index, link in enumerate(body.chain.links):
         moments = geometry.principal_moments(link.inertial.inertia)
         _, xy, xz, _, yz, _ = link.inertial.inertia
@@ -69,7 +69,7 @@ def _inertias(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterat
         if is_turned and moments[2] > LARGEST_INERTIA:
             mass = plan.scale.mass * _one_digit_below(LARGEST_INERTIA / moments[2])
             yield Problem(
-                document.span(_place_of(body.chain, document, at, index)),
+                document.span(_pointer_of(body.chain, document, at, index)),
                 f"the inertia of {link.name} is {moments[2]:.3g} engine units in turned axes, "
                 "which the engine's dynamics may refuse",
                 f"world_scale: {{length: {plan.scale.length:g}, mass: {mass:g}}} changes no result",
@@ -80,7 +80,7 @@ def _inertias(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterat
     chain = ChainDynamics(body.chain)
     inertia = chain.at(body.start.angles).joint_inertia(body.base == "free")
     try:
-        felt = inertia_felt(inertia)
+        effective_inertia = inertia_felt(inertia)
     except np.linalg.LinAlgError:
         yield Problem(
             document.span(at),
@@ -89,12 +89,12 @@ def _inertias(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterat
             code="no-inertia",
         )
         return
-    least = int(np.argmin(felt))
-    if felt[least] < FROZEN:
-        needed = _one_digit_above(FROZEN / felt[least]) * 10
+    least = int(np.argmin(effective_inertia))
+    if effective_inertia[least] < FROZEN:
+        needed = _one_digit_above(FROZEN / effective_inertia[least]) * 10
         yield Problem(
             document.span(at),
-            f"joint '{body.chain.joints[least].name}' moves {felt[least]:.2g} engine units of "
+            f"joint '{body.chain.joints[least].name}' moves {effective_inertia[least]:.2g} engine units of "
             f"inertia; the engine takes less than {FROZEN:g} for none, and holds the joint",
             f"world_scale: {{length: {plan.scale.length:g}, mass: {plan.scale.mass * needed:g}}} "
             "changes no result",
@@ -102,7 +102,7 @@ def _inertias(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterat
         )
 
 
-def _rows(body: Body, document: Document, at: Pointer) -> Iterator[Problem]:
+def _row_findings(body: Body, document: Document, at: Pointer) -> Iterator[Problem]:
     joints = body.chain.joints
     rubbing = sum(joint.friction > 0 for joint in joints)
     if rubbing:
@@ -123,7 +123,7 @@ def _rows(body: Body, document: Document, at: Pointer) -> Iterator[Problem]:
         )
 
 
-def limits_met(body: Body, swings: Array, document: Document, at: Pointer) -> Iterator[Problem]:
+def limits_reached(body: Body, swings: Array, document: Document, at: Pointer) -> Iterator[Problem]:
     """Yield a finding if a joint may reach its limits, its swing [rad] being what is expected."""
     reached = [
         joint.name
@@ -140,19 +140,19 @@ def limits_met(body: Body, swings: Array, document: Document, at: Pointer) -> It
         )
 
 
-def _sizes(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterator[Problem]:
+def _size_findings(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterator[Problem]:
     sizes = [
         (_smallest(shape.solid), index)
         for index, link in enumerate(body.chain.links)
         for shape in link.shapes
     ]
-    size, index = min(sizes, default=(SMALLEST, 0))
-    if size < SMALLEST:
-        length = _one_digit_above(plan.scale.length * SMALLEST / size)
+    size, index = min(sizes, default=(SMALLEST_CONTACT_SIZE, 0))
+    if size < SMALLEST_CONTACT_SIZE:
+        length = _one_digit_above(plan.scale.length * SMALLEST_CONTACT_SIZE / size)
         yield Problem(
-            document.span(_place_of(body.chain, document, at, index)),
+            document.span(_pointer_of(body.chain, document, at, index)),
             f"the smallest extent of {body.chain.links[index].name} is {size:.3g} engine units, "
-            f"and contact wants {SMALLEST:g}",
+            f"and contact wants {SMALLEST_CONTACT_SIZE:g}",
             f"world_scale: {length:g}",
             "warning",
             "small-for-contact",
@@ -168,7 +168,7 @@ def _smallest(solid: AnySolid) -> float:
     return 2 * solid.radius
 
 
-def _place_of(chain: Chain, document: Document, at: Pointer, link: int) -> Pointer:
+def _pointer_of(chain: Chain, document: Document, at: Pointer, link: int) -> Pointer:
     """Return where a link of the chain is described."""
     keys = _mapping(document.at(at))
     if link == 0 and chain.limbs:

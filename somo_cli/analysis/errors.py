@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from somo_cli.arrays import Array
-from somo_cli.simulation import columns
-from somo_cli.simulation.plan import Plan
-from somo_cli.simulation.scene import Quantity
+from somo_cli.scene import columns
+from somo_cli.scene.model import Quantity
+from somo_cli.simulation.plan.model import Plan
 
 UNITS: dict[Quantity, str] = {
     "joint_angles": "rad",
@@ -27,12 +27,12 @@ UNITS: dict[Quantity, str] = {
     "link_contact_forces": "N",
 }
 
-_PLACES = 3  # columns that are one vector, whose length is what counts
-_TURNS = 4  # columns that are one unit quaternion
+_VECTOR = 3  # columns that are one vector, whose length is what counts
+_QUATERNION = 4  # columns that are one unit quaternion
 
 
 @dataclass(frozen=True, slots=True)
-class Error:
+class ErrorSummary:
     """An error at the end, at its worst, and as the root of its mean square over time."""
 
     final: float
@@ -40,14 +40,14 @@ class Error:
     rms: float
 
 
-def summary(profile: Array) -> Error:
+def summarize_errors(profile: Array) -> ErrorSummary:
     """Return what to say of an error over time, shape (instants,)."""
-    return Error(
+    return ErrorSummary(
         float(profile[-1]), float(profile.max()), float(np.sqrt(np.mean(np.square(profile))))
     )
 
 
-def profiles(plan: Plan, rows: Array, reference: Array) -> dict[Quantity, Array]:
+def error_profiles(plan: Plan, rows: Array, reference: Array) -> dict[Quantity, Array]:
     """Return the error of each quantity over time, shape (rows,), the largest over all bodies.
 
     `rows` and `reference`, shape (rows, columns), are recorded at the same instants. A position
@@ -56,34 +56,34 @@ def profiles(plan: Plan, rows: Array, reference: Array) -> dict[Quantity, Array]
     ones; everything else by its largest value.
     """
     found: dict[Quantity, Array] = {}
-    for group in columns.groups(plan):
+    for group in columns.body_column_groups(plan.recorded):
         part = slice(group.first, group.last)
-        error = _profile(group.quantity, rows[:, part], reference[:, part])
+        error = _error_profile(group.quantity, rows[:, part], reference[:, part])
         found[group.quantity] = np.maximum(found.get(group.quantity, 0.0), error)
     return found
 
 
-def aligned(quantity: Quantity, values: Array, reference: Array) -> Array:
+def align_quaternions(quantity: Quantity, values: Array, reference: Array) -> Array:
     """Return the values with unit quaternions on the reference's side: q and -q are one turn."""
     if quantity == "base_pose":
-        turned = aligned("link_orientations", values[:, _PLACES:], reference[:, _PLACES:])
-        return np.hstack([values[:, :_PLACES], turned])
+        turned = align_quaternions("link_orientations", values[:, _VECTOR:], reference[:, _VECTOR:])
+        return np.hstack([values[:, :_VECTOR], turned])
     if quantity != "link_orientations":
         return values
-    turns, others = (table.reshape(len(table), -1, _TURNS) for table in (values, reference))
+    turns, others = (table.reshape(len(table), -1, _QUATERNION) for table in (values, reference))
     sides = np.where(np.sum(turns * others, axis=2, keepdims=True) < 0, -1.0, 1.0)
     return (turns * sides).reshape(values.shape)
 
 
-def _profile(quantity: Quantity, values: Array, reference: Array) -> Array:
-    difference = aligned(quantity, values, reference) - reference
+def _error_profile(quantity: Quantity, values: Array, reference: Array) -> Array:
+    difference = align_quaternions(quantity, values, reference) - reference
     if quantity == "energy":
         total: Array = np.abs(difference.sum(axis=1))
         return total
     if quantity == "base_pose":
-        difference = difference[:, :_PLACES]
-    width = {"tip_position": _PLACES, "base_pose": _PLACES, "link_positions": _PLACES}
-    width |= {"link_orientations": _TURNS}
+        difference = difference[:, :_VECTOR]
+    width = {"tip_position": _VECTOR, "base_pose": _VECTOR, "link_positions": _VECTOR}
+    width |= {"link_orientations": _QUATERNION}
     vectors = difference.reshape(len(difference), -1, width.get(quantity, 1))
     largest: Array = np.linalg.norm(vectors, axis=2).max(axis=1, initial=0.0)
     return largest

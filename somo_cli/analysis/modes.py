@@ -9,15 +9,17 @@ import numpy as np
 import numpy.typing as npt
 
 from somo_cli.arrays import Array
-from somo_cli.simulation.dynamics import ChainPose
-from somo_cli.simulation.vibration import largest_explicit_step, normaliser
+from somo_cli.simulation.dynamics.chain_dynamics import ChainPose
+from somo_cli.simulation.dynamics.modal import largest_explicit_step, normaliser
 
 Complex: TypeAlias = npt.NDArray[np.complex128]
 
-TOPPLES = -1e-9  # of the largest eigenvalue: what counts as a negative stiffness
+NEGATIVE_STIFFNESS_TOLERANCE = (
+    -1e-9
+)  # of the largest eigenvalue: what counts as a negative stiffness
 
 
-class NotAnInertia(ValueError):
+class SingularInertia(ValueError):
     """The joint-space inertia is not positive definite in floating point."""
 
 
@@ -25,20 +27,20 @@ class NotAnInertia(ValueError):
 class Modes:
     """The modes of M q'' + D q' + K q = 0, slow ones first; arrays of shape (n,).
 
-    `shapes`, (n, n), has one in each column, orthonormal with respect to M. `squares` are the
-    squares of the natural frequencies [rad²/s²], negative where the chain topples; `damping` is
+    `shapes`, (n, n), has one in each column, orthonormal with respect to M. `squared_frequencies` are the
+    squared_frequencies of the natural frequencies [rad²/s²], negative where the chain topples; `damping` is
     the diagonal of D in these modes [1/s]. Exact, whatever D is, are the explicit step [s] and
     `all_roots` [1/s], shape (2n,), of det(s² M + s D + K) = 0, those of least modulus first.
     """
 
-    squares: Array
+    squared_frequencies: Array
     shapes: Array
     damping: Array
     explicit_step: float
     all_roots: Complex
 
     @property
-    def least_ratio(self) -> float:
+    def least_damping_ratio(self) -> float:
         """The damping ratio -Re s / |s| of what dies away last in its periods; exact.
 
         Negative where the chain topples.
@@ -50,13 +52,13 @@ class Modes:
     @property
     def frequencies(self) -> Array:
         """Natural frequencies without damping [rad/s]; those of toppling are zero."""
-        found: Array = np.sqrt(np.maximum(self.squares, 0.0))
+        found: Array = np.sqrt(np.maximum(self.squared_frequencies, 0.0))
         return found
 
     @property
-    def ratios(self) -> Array:
-        """Damping ratios of the modes; infinite for a damped one without stiffness."""
-        twice = 2 * np.sqrt(np.abs(self.squares))
+    def damping_ratios(self) -> Array:
+        """Damping damping_ratios of the modes; infinite for a damped one without stiffness."""
+        twice = 2 * np.sqrt(np.abs(self.squared_frequencies))
         with np.errstate(divide="ignore", invalid="ignore"):
             found: Array = np.where(self.damping > 0, self.damping / twice, 0.0)
         return found
@@ -64,8 +66,10 @@ class Modes:
     @property
     def moduli(self) -> Array:
         """Natural frequencies [rad/s] as divisors: of either sign of the square, never zero."""
-        squares = np.abs(self.squares)
-        found: Array = np.sqrt(np.maximum(squares, max(1e-12 * float(squares.max()), 1e-30)))
+        squared_frequencies = np.abs(self.squared_frequencies)
+        found: Array = np.sqrt(
+            np.maximum(squared_frequencies, max(1e-12 * float(squared_frequencies.max()), 1e-30))
+        )
         return found
 
     @property
@@ -75,33 +79,38 @@ class Modes:
         Of a mode that is damped beyond the critical it is the slow one of the two.
         """
         moduli = self.moduli
-        ratios = self.damping / (2 * moduli)
-        beyond = np.sqrt((ratios**2 - 1).astype(np.complex128))
+        damping_ratios = self.damping / (2 * moduli)
+        beyond = np.sqrt((damping_ratios**2 - 1).astype(np.complex128))
         # not ζ - sqrt(ζ² - 1), which has no digits left where ζ is large
         found: Complex = np.where(
-            ratios < 1, moduli * (beyond - ratios), -moduli / (ratios + beyond)
+            damping_ratios < 1,
+            moduli * (beyond - damping_ratios),
+            -moduli / (damping_ratios + beyond),
         )
         return found
 
     @property
     def topples(self) -> bool:
         """Whether the chain leaves this pose by itself."""
-        return bool(self.squares[0] < TOPPLES * abs(self.squares[-1]))
+        return bool(
+            self.squared_frequencies[0]
+            < NEGATIVE_STIFFNESS_TOLERANCE * abs(self.squared_frequencies[-1])
+        )
 
 
 def modes_at(pose: ChainPose, has_free_base: bool, geometric: Array) -> Modes:
     """Return the modes at a pose; `geometric`, (n, n), is the stiffness of gravity and loads.
 
-    Raises NotAnInertia.
+    Raises SingularInertia.
     """
     mass = pose.joint_inertia(has_free_base)
     springs, damping = np.diag(pose.chain.stiffness), pose.chain.damping
     try:
         normalised, shaped = normaliser(mass)
     except np.linalg.LinAlgError as error:
-        raise NotAnInertia("masses that differ too much leave no inertia to a joint") from error
+        raise SingularInertia("masses that differ too much leave no inertia to a joint") from error
     stiff, damper = normalised(springs + geometric), normalised(damping)
-    squares, vectors = np.linalg.eigh(stiff)
+    squared_frequencies, vectors = np.linalg.eigh(stiff)
     damped = np.einsum("ik,ij,jk->k", vectors, damper, vectors)
     # what gravity takes away from the springs must not make the answer optimistic
     step = min(
@@ -114,4 +123,4 @@ def modes_at(pose: ChainPose, has_free_base: bool, geometric: Array) -> Modes:
     companion = np.block([[np.zeros((n, n)), np.eye(n)], [-stiff, -damper]])
     roots = np.linalg.eigvals(companion).astype(np.complex128)
     roots = roots[np.argsort(np.abs(roots), kind="stable")]
-    return Modes(squares, shaped(vectors), np.maximum(damped, 0.0), step, roots)
+    return Modes(squared_frequencies, shaped(vectors), np.maximum(damped, 0.0), step, roots)

@@ -9,24 +9,29 @@ from typing import TypeAlias
 
 import numpy as np
 
-from somo_cli.analysis.errors import aligned, profiles
+from somo_cli.analysis.errors import align_quaternions, error_profiles
 from somo_cli.arrays import Array
 from somo_cli.problems import SimulationDiverged
-from somo_cli.simulation import columns
-from somo_cli.simulation.plan import Plan
-from somo_cli.simulation.scene import Quantity
+from somo_cli.scene import columns
+from somo_cli.scene.model import Quantity
+from somo_cli.simulation.plan.model import Plan
 
-ORDERS = (0.75, 2.75)  # observed orders that can be believed of a method or a chain of order 1 or 2
-NEAR = 0.25  # to a whole number: the order is that number, the rest is of terms that follow
+PLAUSIBLE_ORDERS = (
+    0.75,
+    2.75,
+)  # observed orders that can be believed of a method or a chain of order 1 or 2
+ORDER_TOLERANCE = (
+    0.25  # to a whole number: the order is that number, the rest is of terms that follow
+)
 ATTEMPTS = 4
 ROUNDING = 1e-14  # of the largest value: no difference of runs means anything below
 
-Recorded: TypeAlias = Callable[[float], Array]
+RunAtTimeStep: TypeAlias = Callable[[float], Array]
 """Simulates with a time step [s] and returns the rows at the common instants."""
 
 
 @dataclass(frozen=True, slots=True)
-class Limit:
+class ExtrapolatedRows:
     """Rows at the common instants, with the error [unit] and observed order of each quantity.
 
     The error is an estimate from above, at its worst and at the end; the order is not a number
@@ -40,14 +45,14 @@ class Limit:
 
 
 @dataclass(frozen=True, slots=True)
-class Reference(Limit):
+class Reference(ExtrapolatedRows):
     """What a scene converges to, the finest step [s] of the runs behind it, and its kind."""
 
     time_step: float
     kind: str = "self-converged"
 
 
-def converged(plan: Plan, time_step: float, recorded: Recorded) -> Reference:
+def converged_reference(plan: Plan, time_step: float, recorded: RunAtTimeStep) -> Reference:
     """Return the reference by runs with this step [s], its half and its quarter.
 
     Where a run diverges, all are made with half the step; raises SimulationDiverged in the end.
@@ -60,12 +65,12 @@ def converged(plan: Plan, time_step: float, recorded: Recorded) -> Reference:
             if attempt == ATTEMPTS - 1:
                 raise
             continue
-        limit = extrapolated(plan, levels, 2.0)
+        limit = extrapolate(plan, levels, 2.0)
         return Reference(limit.rows, limit.error, limit.final_error, limit.order, step / 4)
     raise AssertionError("the last attempt returns or raises")
 
 
-def extrapolated(plan: Plan, levels: Sequence[Array], ratio: float) -> Limit:
+def extrapolate(plan: Plan, levels: Sequence[Array], ratio: float) -> ExtrapolatedRows:
     """Return Richardson's limit of three levels, coarse to fine, with its error and the orders.
 
     With p the order observed in a quantity, or the whole number it is near to, and r the ratio of
@@ -75,44 +80,44 @@ def extrapolated(plan: Plan, levels: Sequence[Array], ratio: float) -> Limit:
     change. Where no order can be seen the finest level stands, with the last change for its
     error: Roache, J. Fluids Eng. 116 (1994) 405.
     """
-    first, second, third = (_on_one_side(plan, level, levels[2]) for level in levels)
-    before, after = profiles(plan, first, second), profiles(plan, second, third)
+    first, second, third = (_with_aligned_quaternions(plan, level, levels[2]) for level in levels)
+    before, after = error_profiles(plan, first, second), error_profiles(plan, second, third)
     seen = {
         quantity: _order(float(before[quantity].max()), float(after[quantity].max()), ratio)
         for quantity in after
     }
     factor, apart = np.zeros((2, third.shape[1]))
-    for group in columns.groups(plan):
+    for group in columns.body_column_groups(plan.recorded):
         part = slice(group.first, group.last)
         order = seen[group.quantity]
-        if ORDERS[0] <= order <= ORDERS[1]:
+        if PLAUSIBLE_ORDERS[0] <= order <= PLAUSIBLE_ORDERS[1]:
             near = round(order)
-            used = near if abs(order - near) <= NEAR else order
+            used = near if abs(order - near) <= ORDER_TOLERANCE else order
             factor[part] = 1 / (ratio**used - 1)
             apart[part] = abs(1 / (ratio**order - 1) - 1 / (ratio**near - 1))
     rows = third + factor * (third - second)
     coarser = second + factor * (second - first)
     # rows that are off by what the error is made of, so that each quantity measures it its own way
-    by_pairs = profiles(plan, rows, rows + np.where(factor > 0, factor, 1) * (coarser - rows))
-    by_order = profiles(plan, rows, rows + apart * (third - second))
+    by_pairs = error_profiles(plan, rows, rows + np.where(factor > 0, factor, 1) * (coarser - rows))
+    by_order = error_profiles(plan, rows, rows + apart * (third - second))
     error: dict[Quantity, float] = {}
     final_error: dict[Quantity, float] = {}
-    for group in columns.groups(plan):
+    for group in columns.body_column_groups(plan.recorded):
         size = np.abs(third[:, group.first : group.last]).max(initial=0.0)
         profile = np.maximum(by_pairs[group.quantity], by_order[group.quantity])
         least = ROUNDING * float(size)
         error[group.quantity] = max(float(profile.max()), least, error.get(group.quantity, 0.0))
         final_error[group.quantity] = max(float(profile[-1]), least)
-    return Limit(rows, error, final_error, seen)
+    return ExtrapolatedRows(rows, error, final_error, seen)
 
 
 def _order(before: float, after: float, ratio: float) -> float:
     return math.log(before / after, ratio) if before > 0 and after > 0 else math.nan
 
 
-def _on_one_side(plan: Plan, rows: Array, reference: Array) -> Array:
+def _with_aligned_quaternions(plan: Plan, rows: Array, reference: Array) -> Array:
     turned = rows.copy()
-    for group in columns.groups(plan):
+    for group in columns.body_column_groups(plan.recorded):
         part = slice(group.first, group.last)
-        turned[:, part] = aligned(group.quantity, rows[:, part], reference[:, part])
+        turned[:, part] = align_quaternions(group.quantity, rows[:, part], reference[:, part])
     return turned

@@ -9,20 +9,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from somo_cli.analysis.modes import Modes, modes_at
-from somo_cli.analysis.prediction import LARGEST, Motion, motion_of
+from somo_cli.analysis.prediction import LARGEST_STEP, ModalMotion, predict_motion
 from somo_cli.arrays import Array
 from somo_cli.manipulator.kinematics import Pose
-from somo_cli.simulation.dynamics import ChainDynamics, ChainPose
-from somo_cli.simulation.loads import stiffness_of
-from somo_cli.simulation.plan import Body, Plan
-from somo_cli.simulation.scene import Integrator
+from somo_cli.scene.model import Integrator
+from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics, ChainPose
+from somo_cli.simulation.dynamics.external_loads import stiffness_of
+from somo_cli.simulation.plan.model import Body, Plan
 
-TARGET = 0.01  # error of the tip relative to the length that a recommended step stays below
-SAFETY = 0.9  # of the explicit limit
+TARGET_TIP_ERROR = (
+    0.01  # error of the tip relative to the length that a recommended step stays below
+)
+EXPLICIT_SAFETY = 0.9  # of the explicit limit
 
 
 @dataclass(frozen=True, slots=True)
-class Outlook:
+class StabilityForecast:
     """One body before the run: its modes at the poses looked at, and how it will move.
 
     The poses are called start, neutral (every spring relaxed) and worst (of a trajectory: where
@@ -31,26 +33,30 @@ class Outlook:
 
     body: Body
     modes: dict[str, Modes]
-    motion: Motion
+    motion: ModalMotion
 
     @property
     def explicit_step(self) -> float:
         """The largest stable step of the explicit law [s] at every pose looked at."""
         return min(one.explicit_step for one in self.modes.values())
 
-    def recommended(self, integrator: Integrator, target: float = TARGET) -> float:
+    def recommended_step_for(
+        self, integrator: Integrator, target: float = TARGET_TIP_ERROR
+    ) -> float:
         """Return the step [s] that is stable and whose tip error is expected below the target."""
-        step = self.motion.recommended(integrator, target)
+        step = self.motion.recommended_step_for(integrator, target)
         if integrator == "explicit":
-            step = min(step, rounded_down(SAFETY * self.explicit_step))
+            step = min(step, round_down_step(EXPLICIT_SAFETY * self.explicit_step))
         return step
 
 
-def outlook_of(plan: Plan, body: Body, met: Iterable[tuple[Pose, Array]] = ()) -> Outlook:
+def forecast_of(
+    plan: Plan, body: Body, visited: Iterable[tuple[Pose, Array]] = ()
+) -> StabilityForecast:
     """Return what to expect of one body of a plan.
 
-    `met` holds poses of the base in the world [engine units] and joint angles, shape (n,), of a
-    trajectory. Raises NotAnInertia.
+    `visited` holds poses of the base in the world [engine units] and joint angles, shape (n,), of a
+    trajectory. Raises SingularInertia.
     """
     chain = ChainDynamics(body.chain)
     base = body.start.pose
@@ -59,31 +65,33 @@ def outlook_of(plan: Plan, body: Body, met: Iterable[tuple[Pose, Array]] = ()) -
         "start": _modes(plan, body, start),
         "neutral": _modes(plan, body, chain.at(chain.neutral, base)),
     }
-    motion = motion_of(plan, body, start, modes["start"])
+    motion = predict_motion(plan, body, start, modes["start"])
     worst = min(
-        (_modes(plan, body, chain.at(angles, at)) for at, angles in met),
+        (_modes(plan, body, chain.at(angles, at)) for at, angles in visited),
         key=lambda one: one.explicit_step,
         default=None,
     )
     if worst is not None:
         modes["worst"] = worst
-    return Outlook(body, modes, motion)
+    return StabilityForecast(body, modes, motion)
 
 
-def recommended_step(plan: Plan, target: float = TARGET) -> tuple[float, float]:
+def recommended_step(plan: Plan, target: float = TARGET_TIP_ERROR) -> tuple[float, float]:
     """Return the step [s] for the integrator of a plan, and the tip error to expect of it.
 
     The step is the smallest that one of the bodies needs, the error relative to the length that
-    of the worst. Raises NotAnInertia.
+    of the worst. Raises SingularInertia.
     """
-    outlooks = [outlook_of(plan, body) for body in plan.bodies]
-    step = min(one.recommended(plan.integrator, target) for one in outlooks)
-    return step, predicted_error(outlooks, plan.integrator, step)
+    forecasts = [forecast_of(plan, body) for body in plan.bodies]
+    step = min(one.recommended_step_for(plan.integrator, target) for one in forecasts)
+    return step, predicted_error(forecasts, plan.integrator, step)
 
 
-def predicted_error(outlooks: Sequence[Outlook], integrator: Integrator, step: float) -> float:
+def predicted_error(
+    forecasts: Sequence[StabilityForecast], integrator: Integrator, step: float
+) -> float:
     """Return the tip error to expect of the worst body, relative to its length."""
-    return max(one.motion.error(integrator, step) for one in outlooks)
+    return max(one.motion.error(integrator, step) for one in forecasts)
 
 
 def _modes(plan: Plan, body: Body, pose: ChainPose) -> Modes:
@@ -96,10 +104,10 @@ def _modes(plan: Plan, body: Body, pose: ChainPose) -> Modes:
     return modes_at(pose, body.base == "free", geometric)
 
 
-def rounded_down(step: float) -> float:
+def round_down_step(step: float) -> float:
     """Return the largest 1, 2 or 5 times a power of ten that is no larger."""
-    if not step < LARGEST:
-        return LARGEST
+    if not step < LARGEST_STEP:
+        return LARGEST_STEP
     exponent = math.floor(math.log10(step))
     fits = [float(f"{digit}e{exponent}") for digit in (1, 2, 5)]
     return max((one for one in fits if one <= step), default=float(f"5e{exponent - 1}"))

@@ -1,4 +1,4 @@
-"""Error against run time: a scene over time steps, integrators and numbers of segments."""
+"""ErrorSummary against run time: a scene over time steps, integrators and numbers of segments."""
 
 from __future__ import annotations
 
@@ -10,24 +10,24 @@ from typing import Literal
 
 import numpy as np
 
-from somo_cli.analysis import named, trial, variants
-from somo_cli.analysis.errors import Error, profiles, summary
-from somo_cli.analysis.instants import Instants
-from somo_cli.analysis.reference import Reference, converged, extrapolated
-from somo_cli.analysis.trial import Clock, OpenWorld
+from somo_cli.analysis import closed_form_references, recorded_run, scene_variants
+from somo_cli.analysis.common_instants import Instants
+from somo_cli.analysis.errors import ErrorSummary, error_profiles, summarize_errors
+from somo_cli.analysis.recorded_run import Clock, OpenWorld
+from somo_cli.analysis.reference import Reference, converged_reference, extrapolate
 from somo_cli.arrays import Array
 from somo_cli.problems import EngineRefused, SimulationDiverged
-from somo_cli.simulation import columns
-from somo_cli.simulation.plan import make_plan
-from somo_cli.simulation.scene import Integrator, Quantity, Scene
+from somo_cli.scene import columns
+from somo_cli.scene.model import Integrator, Quantity, Scene
+from somo_cli.simulation.plan.model import make_plan
 
 Status = Literal["ok", "diverged", "refused"]
-Told = Callable[[int], None]
+ProgressCallback = Callable[[int], None]
 """Takes the number of time steps done so far."""
 
 
 @dataclass(frozen=True, slots=True)
-class Question:
+class StudySettings:
     """What to run: steps [s], integrators, numbers of segments (None: the scene's), instants."""
 
     time_steps: tuple[float, ...]
@@ -38,7 +38,7 @@ class Question:
 
 
 @dataclass(frozen=True, slots=True)
-class Case:
+class StudyCase:
     """One run: the errors of its solver, and what it took; times in seconds.
 
     An error is None where it is smaller than that of the reference. The order is that in which
@@ -52,12 +52,12 @@ class Case:
     status: Status
     reason: str = ""
     run_time: float = math.nan
-    errors: dict[Quantity, Error | None] = dataclasses.field(default_factory=dict)
+    errors: dict[Quantity, ErrorSummary | None] = dataclasses.field(default_factory=dict)
     order: float = math.nan
 
 
 @dataclass(frozen=True, slots=True)
-class Cut:
+class Discretization:
     """The scene at one number of segments: its reference, and how far the chain is from a beam.
 
     `length` [m] is that of the longest manipulator, `energy` [J] the most that one form of energy
@@ -69,56 +69,70 @@ class Cut:
     reference: Reference
     length: float
     energy: float
-    model: Error | None = None
+    model: ErrorSummary | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Study:
     """The answer to a question; `model` says what the chain was held against, if anything."""
 
-    question: Question
+    question: StudySettings
     scene: Scene
-    cuts: tuple[Cut, ...]
-    cases: tuple[Case, ...]
+    discretizations: tuple[Discretization, ...]
+    cases: tuple[StudyCase, ...]
     model: str = ""
     model_error: float = math.nan
 
 
-def work(question: Question) -> int:
+def total_steps(question: StudySettings) -> int:
     """Return how many time steps the cases and references take, roughly; for a progress bar."""
     instants = question.instants
-    steps = [instants.count * instants.every(step) for step in question.time_steps]
+    steps = [instants.count * instants.steps_between(step) for step in question.time_steps]
     references = 14 * max(steps)
     cases = sum(steps) * len(question.integrators) * (1 + question.repeats)
     return len(question.segments) * (references + cases)
 
 
 def study(
-    scene: Scene, question: Question, open_world: OpenWorld, clock: Clock, advance: Told
+    scene: Scene,
+    question: StudySettings,
+    open_world: OpenWorld,
+    clock: Clock,
+    advance: ProgressCallback,
 ) -> Study:
     """Run every case, one after the other, and measure errors and run times.
 
     Raises SimulationDiverged and EngineRefused if not even a reference can be made, and NotUniform
-    of manipulator.segments for a scene that cannot be cut.
+    of manipulator.segments for a scene that cannot be discretization.
     """
-    scene = variants.studied(scene)
-    desk = _Desk(question, open_world, clock, advance)
-    scenes = [scene if count is None else variants.cut(scene, count) for count in question.segments]
-    cuts = [desk.cut(one, count) for one, count in zip(scenes, question.segments, strict=True)]
+    scene = scene_variants.study_variant(scene)
+    executor = _StudyExecutor(question, open_world, clock, advance)
+    scenes = [
+        scene if count is None else scene_variants.with_segments(scene, count)
+        for count in question.segments
+    ]
+    discretizations = [
+        executor.discretization(one, count)
+        for one, count in zip(scenes, question.segments, strict=True)
+    ]
     cases = [
         case
-        for one, cut in zip(scenes, cuts, strict=True)
+        for one, discretization in zip(scenes, discretizations, strict=True)
         for integrator in question.integrators
-        for case in desk.cases(one, cut, integrator)
+        for case in executor.cases(one, discretization, integrator)
     ]
-    return _with_models(Study(question, scene, tuple(cuts), tuple(cases)), scenes)
+    return _with_model_errors(Study(question, scene, tuple(discretizations), tuple(cases)), scenes)
 
 
-class _Desk:
+class _StudyExecutor:
     """Runs scenes and counts the steps done."""
 
     def __init__(
-        self, question: Question, open_world: OpenWorld, clock: Clock, advance: Told
+        self,
+        question: StudySettings,
+        open_world: OpenWorld,
+        clock: Clock,
+        advance: ProgressCallback,
     ) -> None:
         self._question = question
         self._open_world = open_world
@@ -126,7 +140,7 @@ class _Desk:
         self._advance = advance
         self._done = 0
 
-    def cut(self, scene: Scene, count: int | None) -> Cut:
+    def discretization(self, scene: Scene, count: int | None) -> Discretization:
         """Return the reference of a scene: half the smallest step and below, else a closed form."""
         plan = make_plan(scene)
         smallest = min(self._question.time_steps)
@@ -134,12 +148,16 @@ class _Desk:
         def recorded(time_step: float) -> Array:
             return self._recorded(scene, "implicit", time_step)
 
-        reference = converged(plan, smallest / 2, recorded)
-        reference = named.exact(scene, reference)
-        energies = [group for group in columns.groups(plan) if group.quantity == "energy"]
+        reference = converged_reference(plan, smallest / 2, recorded)
+        reference = closed_form_references.with_closed_form(scene, reference)
+        energies = [
+            group
+            for group in columns.body_column_groups(plan.recorded)
+            if group.quantity == "energy"
+        ]
         spans = [np.ptp(reference.rows[:, one.first : one.last], axis=0).max() for one in energies]
         chains = [one.compiled.chain for one in scene.manipulators]
-        return Cut(
+        return Discretization(
             segments=count,
             joints=sum(len(chain.joints) for chain in chains),
             reference=reference,
@@ -147,46 +165,52 @@ class _Desk:
             energy=float(max(spans)),
         )
 
-    def cases(self, scene: Scene, cut: Cut, integrator: Integrator) -> list[Case]:
+    def cases(
+        self, scene: Scene, discretization: Discretization, integrator: Integrator
+    ) -> list[StudyCase]:
         """Return the cases of one integrator, large steps first."""
-        found: list[Case] = []
+        found: list[StudyCase] = []
         for time_step in sorted(self._question.time_steps, reverse=True):
-            case = self._case(scene, cut, integrator, time_step)
+            case = self._case(scene, discretization, integrator, time_step)
             if found:
                 case = dataclasses.replace(case, order=_order(found[-1], case))
             found.append(case)
         return found
 
-    def _case(self, scene: Scene, cut: Cut, integrator: Integrator, time_step: float) -> Case:
+    def _case(
+        self, scene: Scene, discretization: Discretization, integrator: Integrator, time_step: float
+    ) -> StudyCase:
         instants = self._question.instants
-        every = instants.every(time_step)
+        every = instants.steps_between(time_step)
         steps = instants.count * every
-        case = Case(cut.segments, integrator, time_step, steps, "ok")
-        plan = make_plan(variants.stepped(scene, integrator, time_step, every))
+        case = StudyCase(discretization.segments, integrator, time_step, steps, "ok")
+        plan = make_plan(scene_variants.with_time_step(scene, integrator, time_step, every))
         repeats = self._question.repeats
         try:
             rows = self._recorded(scene, integrator, time_step)
-            taken = trial.run_time(plan, steps, self._open_world, self._clock, repeats)
+            run_time = recorded_run.median_run_time(
+                plan, steps, self._open_world, self._clock, repeats
+            )
         except SimulationDiverged as error:
             return dataclasses.replace(case, status="diverged", reason=str(error))
         except EngineRefused as error:
             return dataclasses.replace(case, status="refused", reason=str(error))
         finally:
             self._count(repeats * steps)
-        reference = cut.reference
+        reference = discretization.reference
         errors = {
-            quantity: _told(profile, reference.error[quantity])
-            for quantity, profile in profiles(plan, rows, reference.rows).items()
+            quantity: _resolved_error(profile, reference.error[quantity])
+            for quantity, profile in error_profiles(plan, rows, reference.rows).items()
         }
-        return dataclasses.replace(case, run_time=taken, errors=errors)
+        return dataclasses.replace(case, run_time=run_time, errors=errors)
 
     def _recorded(self, scene: Scene, integrator: Integrator, time_step: float) -> Array:
         instants = self._question.instants
         # the reference's steps are halves of the question's, so they meet the instants as well
-        every = instants.every(time_step)
-        plan = make_plan(variants.stepped(scene, integrator, time_step, every))
+        every = instants.steps_between(time_step)
+        plan = make_plan(scene_variants.with_time_step(scene, integrator, time_step, every))
         try:
-            return trial.recorded(plan, instants.count * every, self._open_world)
+            return recorded_run.record_rows(plan, instants.count * every, self._open_world)
         finally:
             self._count(instants.count * every)
 
@@ -195,12 +219,12 @@ class _Desk:
         self._advance(self._done)
 
 
-def _told(profile: Array, least: float) -> Error | None:
-    error = summary(profile)
+def _resolved_error(profile: Array, least: float) -> ErrorSummary | None:
+    error = summarize_errors(profile)
     return error if error.maximum > least else None
 
 
-def _order(coarse: Case, fine: Case) -> float:
+def _order(coarse: StudyCase, fine: StudyCase) -> float:
     errors = [case.errors.get("tip_position") for case in (coarse, fine)]
     if errors[0] is None or errors[1] is None or errors[1].maximum == 0:
         return math.nan
@@ -208,34 +232,44 @@ def _order(coarse: Case, fine: Case) -> float:
     return math.log(ratio) / math.log(coarse.time_step / fine.time_step)
 
 
-def _with_models(answer: Study, scenes: Sequence[Scene]) -> Study:
+def _with_model_errors(answer: Study, scenes: Sequence[Scene]) -> Study:
     """Add how far each chain is from its continuum: a closed form, else the limit of many joints.
 
     The limit needs three numbers of segments in one ratio.
     """
-    cuts = answer.cuts
-    if answer.scene.reference in named.CONTINUUM:
+    discretizations = answer.discretizations
+    if answer.scene.reference in closed_form_references.CONTINUUM:
         beams = [
-            named.beam_tip(scene, cut.reference) for scene, cut in zip(scenes, cuts, strict=True)
+            closed_form_references.beam_tip(scene, discretization.reference)
+            for scene, discretization in zip(scenes, discretizations, strict=True)
         ]
-        models: list[Error | None] = [Error(one.apart, one.apart, one.apart) for one in beams]
+        models: list[ErrorSummary | None] = [
+            ErrorSummary(one.distance, one.distance, one.distance) for one in beams
+        ]
         name, error = str(answer.scene.reference), max(one.error for one in beams)
     else:
-        limit = _limit(answer, scenes)
+        limit = _segment_limit(answer, scenes)
         if limit is None:
             return answer
         models, error = limit
         name = "the limit of many segments"
     told = [None if model is None or model.maximum <= error else model for model in models]
-    cuts = tuple(
-        dataclasses.replace(cut, model=model) for cut, model in zip(cuts, told, strict=True)
+    discretizations = tuple(
+        dataclasses.replace(discretization, model=model)
+        for discretization, model in zip(discretizations, told, strict=True)
     )
-    return dataclasses.replace(answer, cuts=cuts, model=name, model_error=error)
+    return dataclasses.replace(
+        answer, discretizations=discretizations, model=name, model_error=error
+    )
 
 
-def _limit(answer: Study, scenes: Sequence[Scene]) -> tuple[list[Error | None], float] | None:
+def _segment_limit(
+    answer: Study, scenes: Sequence[Scene]
+) -> tuple[list[ErrorSummary | None], float] | None:
     counted = sorted(
-        (cut.segments, index) for index, cut in enumerate(answer.cuts) if cut.segments is not None
+        (discretization.segments, index)
+        for index, discretization in enumerate(answer.discretizations)
+        if discretization.segments is not None
     )
     if len(counted) < 3:
         return None
@@ -245,12 +279,13 @@ def _limit(answer: Study, scenes: Sequence[Scene]) -> tuple[list[Error | None], 
     tips = [make_plan(dataclasses.replace(scene, columns=("tip_position",))) for scene in scenes]
     plan = tips[counted[-1][1]]
     rows = [
-        _tips(scene, cut.reference.rows) for scene, cut in zip(scenes, answer.cuts, strict=True)
+        _tips(scene, discretization.reference.rows)
+        for scene, discretization in zip(scenes, answer.discretizations, strict=True)
     ]
     levels = [rows[index] for _, index in counted[-3:]]
-    limit = extrapolated(plan, levels, n3 / n2)
-    models: list[Error | None] = [
-        summary(profiles(plan, one, limit.rows)["tip_position"]) for one in rows
+    limit = extrapolate(plan, levels, n3 / n2)
+    models: list[ErrorSummary | None] = [
+        summarize_errors(error_profiles(plan, one, limit.rows)["tip_position"]) for one in rows
     ]
     return models, limit.error["tip_position"]
 
@@ -259,7 +294,7 @@ def _tips(scene: Scene, rows: Array) -> Array:
     """Return time and tip positions alone, in the order of the bodies."""
     parts = [
         rows[:, group.first : group.last]
-        for group in columns.groups(make_plan(scene))
+        for group in columns.body_column_groups(make_plan(scene).recorded)
         if group.quantity == "tip_position"
     ]
     return np.hstack([rows[:, :1], *parts])

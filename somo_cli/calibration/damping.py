@@ -15,10 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import eigh
 
-from somo_cli.analysis.modes import NotAnInertia, modes_at
+from somo_cli.analysis.modes import SingularInertia, modes_at
 from somo_cli.arrays import Array
-from somo_cli.simulation.dynamics import ChainDynamics
-from somo_cli.simulation.plan import Plan
+from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
+from somo_cli.simulation.plan.model import Plan
 
 
 class NoMode(ValueError):
@@ -55,7 +55,7 @@ def lowest_mode(plan: Plan, body: int, actuator: int, axis: int) -> Mode:
     inertia, gravity = pose.joint_inertia(is_free), pose.gravity_stiffness(plan.gravity)
     try:
         modes = modes_at(pose, is_free, gravity)
-    except NotAnInertia as error:
+    except SingularInertia as error:
         raise NoMode(str(error)) from error
     drives = np.array([(j.actuator, j.channel) == (actuator, axis) for j in one.chain.joints])
     if not (dynamics.stiffness[drives] > 0).all():
@@ -66,11 +66,11 @@ def lowest_mode(plan: Plan, body: int, actuator: int, axis: int) -> Mode:
     energies = dynamics.stiffness[:, np.newaxis] * modes.shapes**2  # (joint, mode)
     shares: Array = energies[drives].sum(axis=0) / energies.sum(axis=0)
     for number, share in enumerate(shares):
-        square = modes.squares[number]
+        square = modes.squared_frequencies[number]
         if share > 0.5 and square > 0:
             frequency = math.sqrt(square)
             own = float(energies[drives, number].sum())
-            ratio = float(modes.ratios[number])
+            ratio = float(modes.damping_ratios[number])
             return Mode(frequency, ratio, float(share), False, seconds, 2 * frequency / own)
     raise NoMode(f"axis {axis} of actuator {actuator} does not vibrate: gravity topples it")
 

@@ -17,18 +17,18 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import least_squares
 from scipy.special import stdtrit
 
-from somo_cli.analysis.trial import OpenWorld, recorded
+from somo_cli.analysis.recorded_run import OpenWorld, record_rows
 from somo_cli.arrays import Array
-from somo_cli.calibration.parameters import Parameter, changed
-from somo_cli.calibration.recording import Recording, recording_all
+from somo_cli.calibration.measurement import Measurement, scene_recording
+from somo_cli.calibration.parameters import Parameter, with_factors
 from somo_cli.problems import SimulationDiverged
-from somo_cli.simulation.plan import make_plan
-from somo_cli.simulation.scene import Scene
+from somo_cli.scene.model import Scene
+from somo_cli.simulation.plan.model import make_plan
 
 STEP = 1e-3  # of the unknowns, for derivatives: far above the noise of a run, far below 1
-_FARTHEST = 7.0  # of an unknown, a factor of a thousand
-_LOST = 1e3  # what a diverged run is off by, in units of the data
-_SILENT = 1e-5  # of the largest effect of a parameter: what does not show in the data at all
+_MAX_UNKNOWN = 7.0  # of an unknown, a factor of a thousand
+_DIVERGED_RESIDUAL = 1e3  # what a diverged run is off by, in units of the data
+_INSENSITIVE = 1e-5  # of the largest effect of a parameter: what does not show in the data at all
 
 Progress: TypeAlias = Callable[[int], None]
 
@@ -38,12 +38,12 @@ class NothingToFit(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class Fit:
+class FitResult:
     """Parameters as the data want them.
 
     `factors` multiply the guesses; `errors`, half widths of 95 % confidence intervals, have the
     units of the parameters; both of shape (p,). `correlation` is that of the estimates, (p, p).
-    `silent` parameters are not among them: they do not show in the data and stay at their guess.
+    `insensitive` parameters are not among them: they do not show in the data and stay at their guess.
     `residuals` are measured minus simulated, (rows, columns), in the units of the data, and
     `first_residuals` those of the guess; `runs` is how often the scene was run.
     """
@@ -52,7 +52,7 @@ class Fit:
     factors: Array
     errors: Array
     correlation: Array
-    silent: tuple[Parameter, ...]
+    insensitive: tuple[Parameter, ...]
     residuals: Array
     first_residuals: Array
     runs: int
@@ -64,19 +64,19 @@ class Fit:
         return guesses * self.factors
 
     @property
-    def left_over(self) -> Array:
+    def residual_rms(self) -> Array:
         """Root mean square of the residuals of every column, shape (columns,)."""
         squares: Array = np.sqrt(np.mean(self.residuals**2, axis=0))
         return squares
 
     @property
-    def first_left_over(self) -> Array:
+    def first_residual_rms(self) -> Array:
         """The same of the first guess."""
         squares: Array = np.sqrt(np.mean(self.first_residuals**2, axis=0))
         return squares
 
     @property
-    def persistence(self) -> float:
+    def autocorrelation(self) -> float:
         """Correlation of what is left over with itself one row later, the largest of any column.
 
         Near zero for noise; near one where the model does not follow what was measured.
@@ -89,16 +89,16 @@ class Fit:
         )
 
 
-class Model:
-    """What a scene records at the times of a recording, for any parameters."""
+class SceneModel:
+    """What a scene records at the times of a measurement, for any parameters."""
 
     def __init__(
-        self, scene: Scene, recording: Recording, open_world: OpenWorld, progress: Progress
+        self, scene: Scene, measurement: Measurement, open_world: OpenWorld, progress: Progress
     ) -> None:
-        self._steps, every = _stride(recording.times, scene.time_step)
-        whole = recording_all(scene, recording.quantities)
+        self._steps, every = _stride(measurement.times, scene.time_step)
+        whole = scene_recording(scene, measurement.quantities)
         self._scene = dataclasses.replace(whole, every=every)
-        self._recording = recording
+        self._recording = measurement
         self._open_world = open_world
         self._progress = progress
         self._latest: tuple[Sequence[Parameter], bytes, Array] | None = None
@@ -109,8 +109,8 @@ class Model:
         key = unknowns.tobytes()
         if self._latest is not None and self._latest[:2] == (known, key):
             return self._latest[2]
-        plan = make_plan(changed(self._scene, known, unknowns))
-        rows = recorded(plan, self._steps, self._open_world)
+        plan = make_plan(with_factors(self._scene, known, unknowns))
+        rows = record_rows(plan, self._steps, self._open_world)
         self.runs += 1
         self._progress(self.runs)
         columns = rows[:, list(self._recording.places)]
@@ -140,47 +140,49 @@ def _stride(times: Array, step: float) -> tuple[int, int]:
     return max(1, int(np.ceil(times[-1] / step))), 1
 
 
-def fit(model: Model, recording: Recording, known: Sequence[Parameter]) -> Fit:
-    """Return the parameters with which the scene moves most like the recording.
+def fit(model: SceneModel, measurement: Measurement, known: Sequence[Parameter]) -> FitResult:
+    """Return the parameters with which the scene moves most like the measurement.
 
     Every quantity is weighed by its scatter: first by that of the data, then once more by what
     the first fit leaves over. Raises NothingToFit, and SimulationDiverged for the first guess.
     """
     start = np.zeros(len(known))
-    first = recording.values - model.at(known, start)
-    weights = recording.weights(recording.values - recording.values.mean(axis=0))
+    first = measurement.values - model.at(known, start)
+    weights = measurement.weights(measurement.values - measurement.values.mean(axis=0))
     effects = np.sqrt(np.mean((model.slopes(known, start) * weights[:, np.newaxis]) ** 2, (0, 1)))
-    heard = effects > _SILENT * effects.max()
-    if not heard.any():
+    sensitive = effects > _INSENSITIVE * effects.max()
+    if not sensitive.any():
         raise NothingToFit("nothing that is recorded depends on the parameters")
-    chosen = [one for one, is_heard in zip(known, heard, strict=True) if is_heard]
-    unknowns = _solved(model, recording, chosen, weights, np.zeros(len(chosen)))
-    if len(recording.quantities) > 1:
-        left = recording.values - model.at(chosen, unknowns)
-        weights = recording.weights(left)
-        unknowns = _solved(model, recording, chosen, weights, unknowns)
-    left = recording.values - model.at(chosen, unknowns)
+    chosen = [one for one, is_sensitive in zip(known, sensitive, strict=True) if is_sensitive]
+    unknowns = _least_squares_solution(model, measurement, chosen, weights, np.zeros(len(chosen)))
+    if len(measurement.quantities) > 1:
+        left = measurement.values - model.at(chosen, unknowns)
+        weights = measurement.weights(left)
+        unknowns = _least_squares_solution(model, measurement, chosen, weights, unknowns)
+    left = measurement.values - model.at(chosen, unknowns)
     slopes = (model.slopes(chosen, unknowns) * weights[:, np.newaxis]).reshape(-1, len(chosen))
     covariance = _covariance(slopes, (left * weights).ravel())
     deviations = np.sqrt(np.diag(covariance))
     pairs = list(zip(chosen, unknowns.tolist(), strict=True))
     spread = np.array([one.guess * one.spread(unknown) for one, unknown in pairs])
     freedom = max(1, left.size - len(chosen))
-    return Fit(
+    return FitResult(
         parameters=tuple(chosen),
         factors=np.array([one.factor(unknown) for one, unknown in pairs]),
         errors=float(stdtrit(freedom, 0.975)) * spread * deviations,
         correlation=covariance / np.outer(deviations, deviations),
-        silent=tuple(one for one, is_heard in zip(known, heard, strict=True) if not is_heard),
+        insensitive=tuple(
+            one for one, is_sensitive in zip(known, sensitive, strict=True) if not is_sensitive
+        ),
         residuals=left,
         first_residuals=first,
         runs=model.runs,
     )
 
 
-def _solved(
-    model: Model,
-    recording: Recording,
+def _least_squares_solution(
+    model: SceneModel,
+    measurement: Measurement,
     known: Sequence[Parameter],
     weights: Array,
     start: Array,
@@ -189,8 +191,8 @@ def _solved(
         try:
             simulated = model.at(known, unknowns)
         except SimulationDiverged:
-            return np.full(recording.values.size, _LOST)
-        difference: Array = (simulated - recording.values) * weights
+            return np.full(measurement.values.size, _DIVERGED_RESIDUAL)
+        difference: Array = (simulated - measurement.values) * weights
         return difference.ravel()
 
     def slopes(unknowns: Array) -> Array:
@@ -198,7 +200,13 @@ def _solved(
         return derivatives.reshape(-1, len(known))
 
     found = least_squares(
-        left, start, jac=slopes, bounds=(-_FARTHEST, _FARTHEST), xtol=1e-6, ftol=1e-9, gtol=1e-12
+        left,
+        start,
+        jac=slopes,
+        bounds=(-_MAX_UNKNOWN, _MAX_UNKNOWN),
+        xtol=1e-6,
+        ftol=1e-9,
+        gtol=1e-12,
     )
     solution: Array = found.x
     return solution

@@ -10,12 +10,12 @@ from typing import Literal
 
 from somo_cli.arrays import Array
 from somo_cli.manipulator.compile import Compiled
-from somo_cli.simulation.actuation import Actuation
-from somo_cli.simulation.scene import Manipulator, Scene
+from somo_cli.scene.actuation import Actuation
+from somo_cli.scene.model import Manipulator, Scene
 
-What = Literal["stiffness", "damping", "gain"]
-WHATS: tuple[What, ...] = ("stiffness", "damping", "gain")
-UNITS: Mapping[What, str] = {"stiffness": "N·m/rad", "damping": "N·m·s/rad", "gain": "1"}
+ParameterKind = Literal["stiffness", "damping", "gain"]
+PARAMETER_KINDS: tuple[ParameterKind, ...] = ("stiffness", "damping", "gain")
+UNITS: Mapping[ParameterKind, str] = {"stiffness": "N·m/rad", "damping": "N·m·s/rad", "gain": "1"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +27,7 @@ class Parameter:
     sign, and the factor less one of a gain, which can.
     """
 
-    what: What
+    what: ParameterKind
     actuator: int
     axis: int
     guess: float
@@ -46,7 +46,7 @@ class Parameter:
         return 1.0 if self.what == "gain" else math.exp(unknown)
 
 
-def parameters(one: Manipulator, whats: Sequence[What]) -> Iterator[Parameter]:
+def parameters(one: Manipulator, whats: Sequence[ParameterKind]) -> Iterator[Parameter]:
     """Yield what can be fitted: damping where there is some, a gain where something drives."""
     driven = {(entry.actuator, entry.axis) for entry in one.actuation}
     for number, actuator in enumerate(one.compiled.definition.actuators):
@@ -55,7 +55,7 @@ def parameters(one: Manipulator, whats: Sequence[What]) -> Iterator[Parameter]:
             joint = actuator.joints[place]
             if joint.joint_type == "fixed":
                 continue
-            guesses: Mapping[What, float] = {
+            guesses: Mapping[ParameterKind, float] = {
                 "stiffness": joint.stiffness,
                 "damping": joint.damping,
                 "gain": float((number, axis) in driven),
@@ -65,7 +65,9 @@ def parameters(one: Manipulator, whats: Sequence[What]) -> Iterator[Parameter]:
                     yield Parameter(what, number, axis, guesses[what])
 
 
-def changed(scene: Scene, known: Sequence[Parameter], unknowns: Sequence[float] | Array) -> Scene:
+def with_factors(
+    scene: Scene, known: Sequence[Parameter], unknowns: Sequence[float] | Array
+) -> Scene:
     """Return the scene, of one manipulator, with every parameter times its factor."""
     factors = {
         (one.what, one.actuator, one.axis): one.factor(float(unknown))
@@ -80,7 +82,9 @@ def changed(scene: Scene, known: Sequence[Parameter], unknowns: Sequence[float] 
     return dataclasses.replace(scene, manipulators=(one,))
 
 
-def _compiled(compiled: Compiled, factors: Mapping[tuple[What, int, int], float]) -> Compiled:
+def _compiled(
+    compiled: Compiled, factors: Mapping[tuple[ParameterKind, int, int], float]
+) -> Compiled:
     joints = tuple(
         dataclasses.replace(
             joint,
@@ -93,6 +97,8 @@ def _compiled(compiled: Compiled, factors: Mapping[tuple[What, int, int], float]
     return dataclasses.replace(compiled, chain=dataclasses.replace(compiled.chain, joints=joints))
 
 
-def _actuation(entry: Actuation, factors: Mapping[tuple[What, int, int], float]) -> Actuation:
+def _actuation(
+    entry: Actuation, factors: Mapping[tuple[ParameterKind, int, int], float]
+) -> Actuation:
     gain = factors.get(("gain", entry.actuator, entry.axis), 1.0)
-    return dataclasses.replace(entry, course=entry.course.scaled(gain))
+    return dataclasses.replace(entry, profile=entry.profile.scaled(gain))

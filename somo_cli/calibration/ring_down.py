@@ -19,11 +19,11 @@ from scipy.special import stdtrit
 
 from somo_cli.arrays import Array
 
-LEAST_POINTS = 8
-LEAST_PERIODS = 0.9
-LEAST_SAMPLES = 3.9  # in a period
-LEAST_EXPLAINED = 0.5
-CREEPING = 0.9  # ratio of a damping
+MINIMUM_POINTS = 8
+MINIMUM_PERIODS = 0.9
+MINIMUM_SAMPLES_PER_PERIOD = 3.9  # in a period
+MINIMUM_EXPLAINED_VARIANCE = 0.5
+OVERDAMPED_RATIO = 0.9  # ratio of a damping
 CONFIDENCE = 0.95
 
 _FLAT = 1e-12  # of the largest value: what varies less is rounding
@@ -85,11 +85,11 @@ def ring_down(times: Array, values: Array) -> RingDown:
     basis = _basis(t, sigma, omega)
     linear = _linear(basis, y)
     left = y - basis @ linear
-    doubt = _doubt(t, sigma, omega, linear, left)
+    error_factors = _error_factors(t, sigma, omega, linear, left)
     undamped = math.hypot(omega, sigma)
     gradients = np.array([[sigma, omega], [undamped, 0], [omega**2, -sigma * omega]]) / undamped
     gradients[2] /= undamped**2
-    errors = np.linalg.norm(gradients @ doubt, axis=1).tolist()
+    errors = np.linalg.norm(gradients @ error_factors, axis=1).tolist()
     found = RingDown(
         frequency=undamped / duration,
         decay=sigma / duration,
@@ -110,8 +110,10 @@ def ring_down(times: Array, values: Array) -> RingDown:
 def _refuse_bad_data(times: Array, values: Array) -> None:
     if times.ndim != 1 or times.shape != values.shape:
         raise NoRingDown(f"there are times of shape {times.shape}, values of shape {values.shape}")
-    if len(times) < LEAST_POINTS:
-        raise NoRingDown(f"the record has {len(times)} points: a fit needs {LEAST_POINTS} or more")
+    if len(times) < MINIMUM_POINTS:
+        raise NoRingDown(
+            f"the record has {len(times)} points: a fit needs {MINIMUM_POINTS} or more"
+        )
     for name, data in (("time", times), ("value", values)):
         bad = np.flatnonzero(~np.isfinite(data))
         if len(bad):
@@ -127,20 +129,20 @@ def _refuse_bad_data(times: Array, values: Array) -> None:
 
 def _refuse_bad_fit(found: RingDown, points: int, duration: float) -> None:
     cut = "cut the record with --from/--until, or choose another column"
-    if found.explained < LEAST_EXPLAINED:
+    if found.explained < MINIMUM_EXPLAINED_VARIANCE:
         raise NoRingDown(
             "the record does not look like one decaying swing: it explains only "
             f"{100 * found.explained:.0f} % of the data; {cut}"
         )
-    if found.periods < LEAST_PERIODS:
-        if found.ratio > CREEPING:
+    if found.periods < MINIMUM_PERIODS:
+        if found.ratio > OVERDAMPED_RATIO:
             raise NoRingDown(
                 f"the values creep back and do not swing: the damping ratio is {found.ratio:.2g}"
             )
         few = f"the record holds {found.periods:.2g} periods of a swing"
         raise NoRingDown(f"{few}: a fit needs one or more; record for longer")
     samples = (points - 1) / found.periods
-    if samples < LEAST_SAMPLES:
+    if samples < MINIMUM_SAMPLES_PER_PERIOD:
         raise NoRingDown(
             f"the record has {samples:.2g} samples per period: a fit needs 4 or more, because "
             "with fewer the frequency may be another one; sample faster"
@@ -200,12 +202,12 @@ def _search(t: Array, y: Array) -> tuple[float, float]:
         return least_squares(left, start, change, bounds, "trf", 1e-15, 1e-13, 1e-15, max_nfev=most)
 
     # few steps tell the best, and those in a wrong place would wander about for long
-    fits = [follow(start, _FEW) for start in _apart(starts)[:_STARTS]]
+    fits = [follow(start, _FEW) for start in _distinct_starts(starts)[:_STARTS]]
     best = follow(min(fits, key=lambda fit: float(fit.cost)).x, _MANY)
     return float(best.x[1]), math.exp(best.x[0])
 
 
-def _apart(starts: list[Array]) -> list[Array]:
+def _distinct_starts(starts: list[Array]) -> list[Array]:
     """Return the starts, best first, without those that would lead where a better one leads."""
     found: list[Array] = []
     for start in starts:
@@ -243,7 +245,7 @@ def _peak(x: Array) -> float:
     return float(step * np.argmax(spectrum[1:]) + step)
 
 
-def _doubt(t: Array, sigma: float, omega: float, linear: Array, left: Array) -> Array:
+def _error_factors(t: Array, sigma: float, omega: float, linear: Array, left: Array) -> Array:
     """Return the root of the covariance of σ and ω, times Student's t, shape (2, n)."""
     basis = _basis(t, sigma, omega)
     jacobian = np.concatenate((_slopes(t, basis, omega, linear), basis), axis=1)

@@ -20,7 +20,7 @@ from somo_cli.cli import (
     report,
     run,
 )
-from somo_cli.cli.door import main
+from somo_cli.cli.application import main
 
 __all__ = [
     "build",

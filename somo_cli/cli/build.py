@@ -6,19 +6,19 @@ from typing import Annotated
 import typer
 
 from somo_cli import files, terminal
-from somo_cli.cli.door import (
+from somo_cli.cli.application import (
     EXIT_CODES,
     QuietOption,
     SetOption,
     app,
-    ending,
     refuse_overwriting,
+    report_errors,
     require,
 )
 
 
 @app.command(epilog=EXIT_CODES)
-@ending
+@report_errors
 def build(
     definition: Annotated[
         str, typer.Argument(help="A definition of a manipulator or an assembly, YAML or JSON.")
@@ -67,7 +67,7 @@ def build(
     document = loading.load(definition, sets or [])
     loading.refuse_scene(document)
     compiled = compile_definition(document)
-    terminal.say_problems(compiled.warnings, document.texts)
+    terminal.print_problems(compiled.warnings, document.texts)
     names = {link.name for link in compiled.chain.links}
     frames = {f"{limb.prefix}{tip_frame}" for limb in compiled.chain.backbones}
     is_new = tip_frame is None or names.isdisjoint(frames)
@@ -76,18 +76,18 @@ def build(
     wanted = own if scale is None else Scale(scale, own.mass)
     text = compiled.urdf(wanted, tip_frame)
     if verify:
-        from somo_cli.manipulator.verify import require_equal
+        from somo_cli.manipulator.urdf_readback import require_equal
 
         require_equal(text, compiled.scaled_chain(wanted))
     name = compiled.definition.urdf_filename or f"{Path(definition).stem}.urdf"
     refuse_overwriting(document, output or name)
     if output == "-":
-        with files.partial("-") as stream:
+        with files.open_partial("-") as stream:
             stream.write(text)
         return
-    files.write_whole(output or name, text)
+    files.write_atomically(output or name, text)
     if not quiet:
-        terminal.say(f"{output or name}: {compiled.described(wanted)}")
+        terminal.print_message(f"{output or name}: {compiled.described(wanted)}")
 
 
 def _is_name(text: str) -> bool:

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from somo_cli import files
-from somo_cli.cli.door import EXIT_CODES, app, require
+from somo_cli.cli.application import EXIT_CODES, app, require
 
 if TYPE_CHECKING:
     from somo_cli.document.table import Table
 
-LARGEST_TABLE = 50_000_000
+MAX_TABLE_BYTES = 50_000_000
 """The most that a recording may hold [bytes]."""
 
 calibrate = typer.Typer(
@@ -93,14 +93,14 @@ JsonOption = Annotated[
 ]
 
 
-def table_of(path: str) -> "Table":
+def read_table_file(path: str) -> "Table":
     """Return a CSV of numbers. Raises OSError and InvalidFile."""
     from somo_cli.document.table import read_table
 
-    return read_table(files.read_text(path, LARGEST_TABLE), path)
+    return read_table(files.read_text(path, MAX_TABLE_BYTES), path)
 
 
-def numbers_of(option: str, text: str) -> Sequence[int]:
+def parse_joint_counts(option: str, text: str) -> Sequence[int]:
     """Return the whole numbers of a list such as 3,5,10."""
     try:
         found = [int(part) for part in text.split(",")]
@@ -114,7 +114,7 @@ def numbers_of(option: str, text: str) -> Sequence[int]:
 Rule = Literal["exact", "somo"]
 
 
-def rule_of(text: str) -> Rule:
+def parse_rule(text: str) -> Rule:
     """Return the rule of an option."""
     require(text in ("exact", "somo"), "--rule", f"{text!r} is not exact or somo")
     return "somo" if text == "somo" else "exact"

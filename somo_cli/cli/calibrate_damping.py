@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from somo_cli import terminal
+from somo_cli.cli.application import EXIT_CODES, report_errors, require
 from somo_cli.cli.calibrate import (
     ActuatorOption,
     AxisOption,
@@ -15,10 +16,9 @@ from somo_cli.cli.calibrate import (
     PatchOption,
     WriteOption,
     calibrate,
-    table_of,
+    read_table_file,
 )
-from somo_cli.cli.calibrate_result import keep, require_targets
-from somo_cli.cli.door import EXIT_CODES, ending, require
+from somo_cli.cli.calibrate_result import require_targets, write_result
 from somo_cli.problems import InvalidFile, Problem
 
 if TYPE_CHECKING:
@@ -26,13 +26,13 @@ if TYPE_CHECKING:
     from somo_cli.calibration.ring_down import RingDown
     from somo_cli.document.parse import Document
     from somo_cli.document.table import Table
-    from somo_cli.simulation.scene import Scene
+    from somo_cli.scene.model import Scene
 
 _APART = 0.05  # of the frequencies measured and modelled: what is worth a warning
 
 
 @calibrate.command(epilog=EXIT_CODES)
-@ending
+@report_errors
 def damping(
     scene: Annotated[
         str | None,
@@ -97,7 +97,7 @@ def damping(
     document, found = _scene(path)
     require_targets(document, write, patch)
     mode = _mode(found, actuator, axis)
-    swing = None if ring_down is None else _swing(ring_down, column, begin, end)
+    swing = None if ring_down is None else _ring_down(ring_down, column, begin, end)
     wanted = ratio if swing is None else swing.ratio
     assert wanted is not None
     seconds = wanted * mode.per_ratio
@@ -115,34 +115,34 @@ def damping(
     else:
         _print(found, mode, swing, wanted, actuator, axis)
     if swing is not None and abs(mode.frequency / swing.frequency - 1) > _APART:
-        terminal.say(
+        terminal.print_message(
             f"somo: warning: the model swings at {mode.frequency:.4g} rad/s, what was measured at "
             f"{swing.frequency:.4g}"
         )
-        terminal.say(
+        terminal.print_message(
             "  hint: stiffness over inertia should be "
             f"{(swing.frequency / mode.frequency) ** 2:.3g} times what it is; check the mass, the "
             "stiffness, and that the scene is how it hung"
         )
-    _keep(document, found, actuator, axis, seconds, write, patch)
+    _write_result(document, found, actuator, axis, seconds, write, patch)
 
 
 def _scene(path: str) -> "tuple[Document, Scene]":
     from somo_cli import loading
-    from somo_cli.simulation.scene import is_scene
+    from somo_cli.scene.model import is_scene
 
     document = loading.load(path)
     found, warnings = loading.scene_of(document)
-    terminal.say_problems(warnings, document.texts)
+    terminal.print_problems(warnings, document.texts)
     if not is_scene(document):
         found = dataclasses.replace(found, gravity=(0.0, 0.0, 0.0))
-    loading.refuse_several(document, found, "it is")
+    loading.refuse_multiple(document, found, "it is")
     return document, found
 
 
 def _mode(scene: "Scene", actuator: int, axis: int) -> "Mode":
     from somo_cli.calibration.damping import NoMode, lowest_mode
-    from somo_cli.simulation.plan import make_plan
+    from somo_cli.simulation.plan.model import make_plan
 
     axes = {(j.actuator, j.channel) for j in scene.manipulators[0].compiled.chain.joints}
     is_there = (actuator, axis) in axes
@@ -153,16 +153,16 @@ def _mode(scene: "Scene", actuator: int, axis: int) -> "Mode":
         raise typer.BadParameter(str(error), param_hint="'--axis'") from error
 
 
-def _swing(path: str, column: str | None, begin: float, end: float) -> "RingDown":
-    from somo_cli.calibration.recording import TIME, between
-    from somo_cli.calibration.ring_down import LEAST_POINTS, NoRingDown, ring_down
-    from somo_cli.document.table import require as require_columns
+def _ring_down(path: str, column: str | None, begin: float, end: float) -> "RingDown":
+    from somo_cli.calibration.measurement import TIME, time_window
+    from somo_cli.calibration.ring_down import MINIMUM_POINTS, NoRingDown, ring_down
+    from somo_cli.document.table import require_columns
 
-    table = table_of(path)
+    table = read_table_file(path)
     name = column or _only_column(table)
-    require_columns(table, (TIME, name), TIME, LEAST_POINTS, "a ring-down")
+    require_columns(table, (TIME, name), TIME, MINIMUM_POINTS, "a ring-down")
     try:
-        return ring_down(*between(table, name, begin, end))
+        return ring_down(*time_window(table, name, begin, end))
     except NoRingDown as error:
         place = table.header_span(name)
         raise InvalidFile([Problem(place, str(error))], table.texts) from error
@@ -195,7 +195,7 @@ def _print(
     actuator: int,
     axis: int,
 ) -> None:
-    from somo_cli.calibration.account import table, with_error
+    from somo_cli.calibration.report import table, with_error
 
     rows = [["model as it is", f"{mode.frequency:.6g} rad/s", f"{mode.ratio:.4g}"]]
     if swing is not None:
@@ -220,7 +220,7 @@ def _print(
     )
 
 
-def _keep(
+def _write_result(
     document: "Document",
     scene: "Scene",
     actuator: int,
@@ -229,17 +229,17 @@ def _keep(
     write: str | None,
     patch: str | None,
 ) -> None:
-    from somo_cli.calibration import joints
-    from somo_cli.simulation.scene import is_scene
+    from somo_cli.calibration import joint_pointers
+    from somo_cli.scene.model import is_scene
 
     at = ("manipulators", 0, "definition") if is_scene(document) else ()
-    places = joints.pointers(document, at, actuator, axis)
+    places = joint_pointers.pointers(document, at, actuator, axis)
     stiffness = _stiffness(scene, actuator, axis)
     profile = [value / stiffness[0] for value in stiffness]
-    values = joints.values(
+    values = joint_pointers.values(
         places,
         "spring_damping",
         seconds * stiffness[0],
         profile if len(profile) == len(places) else None,
     )
-    keep(document, values, "", write, patch, {"spring_damping": "spring_stiffness"})
+    write_result(document, values, "", write, patch, {"spring_damping": "spring_stiffness"})

@@ -7,24 +7,24 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from somo_cli import terminal
-from somo_cli.cli.calibrate import JsonOption, PatchOption, WriteOption, calibrate, table_of
-from somo_cli.cli.calibrate_result import keep, require_targets
-from somo_cli.cli.door import EXIT_CODES, OutsideOption, ending, require
+from somo_cli.cli.application import EXIT_CODES, OutsideOption, report_errors, require
+from somo_cli.cli.calibrate import JsonOption, PatchOption, WriteOption, calibrate, read_table_file
+from somo_cli.cli.calibrate_result import require_targets, write_result
 
 if TYPE_CHECKING:
-    from somo_cli.calibration.fit import Fit
-    from somo_cli.calibration.parameters import Parameter, What
-    from somo_cli.calibration.recording import Recording
+    from somo_cli.calibration.fit import FitResult
+    from somo_cli.calibration.measurement import Measurement
+    from somo_cli.calibration.parameters import Parameter, ParameterKind
     from somo_cli.document.parse import Document
     from somo_cli.problems import Pointer
-    from somo_cli.simulation.scene import Scene
+    from somo_cli.scene.model import Scene
 
-LEAST_ROWS = 8
+MIN_ROWS = 8
 _RUNS = 20  # what a bar of progress expects, per parameter
 
 
 @calibrate.command(epilog=EXIT_CODES)
-@ending
+@report_errors
 def fit(
     scene: Annotated[
         str,
@@ -68,20 +68,20 @@ def fit(
     and a warning where the data cannot tell parameters apart.
     """
     from somo_cli import loading
-    from somo_cli.calibration.recording import TIME, recording
-    from somo_cli.document.table import require as require_columns
+    from somo_cli.calibration.measurement import TIME, measurement
+    from somo_cli.document.table import require_columns
 
-    whats = _whats(parameters)
+    whats = _fitted_kinds(parameters)
     document = loading.load(scene, allow_outside=allow_outside)
     planned, warnings = loading.scene_of(document)
-    terminal.say_problems(warnings, document.texts)
+    terminal.print_problems(warnings, document.texts)
     loading.refuse_overlaps(document, planned)
     document = loading.as_scene(document)
-    loading.refuse_several(document, planned, "a fit is")
+    loading.refuse_multiple(document, planned, "a fit is")
     require_targets(document, write, patch)
-    table = table_of(data)
-    require_columns(table, (TIME,), TIME, LEAST_ROWS, "a fit")
-    measured = recording(table, planned, columns.split(",") if columns else ())
+    table = read_table_file(data)
+    require_columns(table, (TIME,), TIME, MIN_ROWS, "a fit")
+    measured = measurement(table, planned, columns.split(",") if columns else ())
     known = _parameters(planned, whats)
     is_kept = write is not None or patch is not None
     is_of_scene = all(_is_for_the_scene(document, one) for one in known)
@@ -93,29 +93,35 @@ def fit(
     else:
         for line in _table(found, measured):
             typer.echo(line)
-    from somo_cli.calibration.doubts import doubts
+    from somo_cli.calibration.fit_diagnostics import fit_diagnostics
 
-    for sentence in doubts(found, measured.scatter):
-        terminal.say(f"somo: warning: {sentence}")
+    for sentence in fit_diagnostics(found, measured.scatter):
+        terminal.print_message(f"somo: warning: {sentence}")
     if is_kept:
         values = dict(_values(document, found))
         after = {"spring_damping": "spring_stiffness", "torque_per_pressure": "spring_stiffness"}
-        keep(document, values, "", write, patch, after)
+        write_result(document, values, "", write, patch, after)
         for one, factor in zip(found.parameters, found.factors.tolist(), strict=True):
             if _is_for_the_scene(document, one):
-                terminal.say(f"{scene}: multiply by the {one.name}, {factor:.6g}, by hand")
+                terminal.print_message(
+                    f"{scene}: multiply by the {one.name}, {factor:.6g}, by hand"
+                )
 
 
-def _whats(text: str) -> "Sequence[What]":
-    from somo_cli.calibration.parameters import WHATS
+def _fitted_kinds(text: str) -> "Sequence[ParameterKind]":
+    from somo_cli.calibration.parameters import PARAMETER_KINDS
 
     names = [name.strip() for name in text.split(",")]
-    unknown = [name for name in names if name not in WHATS]
-    require(not unknown, "--parameters", f"{', '.join(unknown)!r} is not one of {', '.join(WHATS)}")
-    return [what for what in WHATS if what in names]
+    unknown = [name for name in names if name not in PARAMETER_KINDS]
+    require(
+        not unknown,
+        "--parameters",
+        f"{', '.join(unknown)!r} is not one of {', '.join(PARAMETER_KINDS)}",
+    )
+    return [what for what in PARAMETER_KINDS if what in names]
 
 
-def _parameters(scene: "Scene", whats: "Sequence[What]") -> "Sequence[Parameter]":
+def _parameters(scene: "Scene", whats: "Sequence[ParameterKind]") -> "Sequence[Parameter]":
     from somo_cli.calibration.parameters import parameters
 
     known = list(parameters(scene.manipulators[0], whats))
@@ -124,22 +130,22 @@ def _parameters(scene: "Scene", whats: "Sequence[What]") -> "Sequence[Parameter]
     return known
 
 
-def _fitted(scene: "Scene", measured: "Recording", known: "Sequence[Parameter]") -> "Fit":
-    from somo_cli.calibration.fit import Model, NothingToFit
+def _fitted(scene: "Scene", measured: "Measurement", known: "Sequence[Parameter]") -> "FitResult":
+    from somo_cli.calibration.fit import NothingToFit, SceneModel
     from somo_cli.calibration.fit import fit as fitted
-    from somo_cli.simulation.bullet import BulletWorld
+    from somo_cli.simulation.engine.bullet.world import BulletWorld
 
     with terminal.progress(_RUNS * len(known), "fitting: runs") as advance:
-        model = Model(scene, measured, BulletWorld, advance)
+        model = SceneModel(scene, measured, BulletWorld, advance)
         try:
             return fitted(model, measured, known)
         except NothingToFit as error:
             raise typer.BadParameter(str(error), param_hint="'--data'") from error
 
 
-def _values(document: "Document", found: "Fit") -> "Iterator[tuple[Pointer, float]]":
+def _values(document: "Document", found: "FitResult") -> "Iterator[tuple[Pointer, float]]":
     """Yield what to write into the definition: all but the gains of torques."""
-    from somo_cli.calibration import joints
+    from somo_cli.calibration import joint_pointers
 
     at: Pointer = ("manipulators", 0, "definition")
     keys = {
@@ -151,24 +157,24 @@ def _values(document: "Document", found: "Fit") -> "Iterator[tuple[Pointer, floa
         if _is_for_the_scene(document, parameter):
             continue
         key = keys[parameter.what]
-        for place in joints.pointers(document, at, parameter.actuator, parameter.axis):
+        for place in joint_pointers.pointers(document, at, parameter.actuator, parameter.axis):
             definition = document.at(place)
             assert isinstance(definition, dict)
             if definition.get(key) is not None:
-                yield (*place, key), joints.rounded(float(definition[key]) * factor)
+                yield (*place, key), joint_pointers.rounded(float(definition[key]) * factor)
 
 
 def _is_for_the_scene(document: "Document", parameter: "Parameter") -> bool:
     """Whether a parameter is the gain of torques, for which a definition has no place."""
-    from somo_cli.calibration import joints
+    from somo_cli.calibration import joint_pointers
 
     where = parameter.actuator, parameter.axis
-    return parameter.what == "gain" and where not in joints.under_pressure(document, 0)
+    return parameter.what == "gain" and where not in joint_pointers.under_pressure(document, 0)
 
 
-def _table(found: "Fit", measured: "Recording") -> list[str]:
-    from somo_cli.calibration.account import table
+def _table(found: "FitResult", measured: "Measurement") -> list[str]:
     from somo_cli.calibration.parameters import UNITS
+    from somo_cli.calibration.report import table
 
     rows = []
     for number, one in enumerate(found.parameters):
@@ -184,7 +190,7 @@ def _table(found: "Fit", measured: "Recording") -> list[str]:
             ]
         )
     lines = table(["parameter", "guess", "fitted", "± (95 %)", "", "unit"], rows)
-    before, after = found.first_left_over, found.left_over
+    before, after = found.first_residual_rms, found.residual_rms
     lines += [
         "",
         *table(
@@ -199,7 +205,7 @@ def _table(found: "Fit", measured: "Recording") -> list[str]:
     return lines
 
 
-def _plain(found: "Fit", measured: "Recording") -> dict[str, object]:
+def _plain(found: "FitResult", measured: "Measurement") -> dict[str, object]:
     return {
         "parameters": [
             {
@@ -213,9 +219,9 @@ def _plain(found: "Fit", measured: "Recording") -> dict[str, object]:
             for number, one in enumerate(found.parameters)
         ],
         "correlation": found.correlation.tolist(),
-        "silent": [one.name for one in found.silent],
+        "silent": [one.name for one in found.insensitive],
         "columns": list(measured.names),
-        "residual_rms": found.left_over.tolist(),
-        "persistence": found.persistence,
+        "residual_rms": found.residual_rms.tolist(),
+        "persistence": found.autocorrelation,
         "runs": found.runs,
     }

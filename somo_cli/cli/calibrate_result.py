@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 import typer
 
 from somo_cli import files, terminal
-from somo_cli.cli.door import require
+from somo_cli.cli.application import require
 
 if TYPE_CHECKING:
     from somo_cli.document.parse import Document
     from somo_cli.problems import Pointer
 
 
-def keep(
+def write_result(
     document: "Document | None",
     values: "Mapping[Pointer, float]",
     piece: str,
@@ -32,11 +32,11 @@ def keep(
             (source, *others) = dict.fromkeys(document.span(place[:-1]).source for place in values)
             require(not others, "--write", f"the values are in {source} and other files: --patch")
             written = _patched(document, source, values, beside)
-        files.write_whole(write, written)
-        terminal.say(f"{write}: written")
+        files.write_atomically(write, written)
+        terminal.print_message(f"{write}: written")
     if patch is not None and document is not None:
-        files.write_whole(patch, _patched(document, _source(document, patch), values, beside))
-        terminal.say(f"{patch}: patched")
+        files.write_atomically(patch, _patched(document, _source(document, patch), values, beside))
+        terminal.print_message(f"{patch}: patched")
 
 
 def require_targets(document: "Document", write: str | None, patch: str | None) -> None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from somo_cli.cli.application import EXIT_CODES, report_errors, require
 from somo_cli.cli.calibrate import (
     AboutOption,
     ActuatorOption,
@@ -21,20 +22,24 @@ from somo_cli.cli.calibrate import (
     PlacesOption,
     WriteOption,
     calibrate,
-    numbers_of,
-    rule_of,
+    parse_joint_counts,
+    parse_rule,
 )
-from somo_cli.cli.calibrate_given import Given, MadeOf, given, of_path
-from somo_cli.cli.calibrate_result import keep
-from somo_cli.cli.door import EXIT_CODES, ending, require
+from somo_cli.cli.calibrate_joints import (
+    JointOptions,
+    JointsToCalibrate,
+    definition_path,
+    joints_to_calibrate,
+)
+from somo_cli.cli.calibrate_result import write_result
 
 if TYPE_CHECKING:
-    from somo_cli.calibration.deflection import Following
-    from somo_cli.calibration.levers import Levers
+    from somo_cli.calibration.beam_comparison import BeamComparison
+    from somo_cli.calibration.moment_arms import MomentArms
 
 
 @calibrate.command(epilog=EXIT_CODES)
-@ending
+@report_errors
 def stiffness(
     definition: DefinitionArgument = None,
     tip_stiffness: Annotated[
@@ -105,42 +110,44 @@ def stiffness(
     own weight and under a large force, and in their first frequency; and how much higher the
     highest frequency is, which asks for shorter steps.
     """
-    from somo_cli.calibration import account
-    from somo_cli.calibration.deflection import compared, following
+    from somo_cli.calibration import report
+    from somo_cli.calibration.beam_comparison import compare_placements, compare_with_beam
 
-    which = rule_of(rule)
-    known = given(
-        of_path(definition, patch),
+    which = parse_rule(rule)
+    known = joints_to_calibrate(
+        definition_path(definition, patch),
         actuator,
         axis,
         at,
-        MadeOf(length, joints, places, axes, about, placement),
+        JointOptions(length, joints, places, axes, about, placement),
         write,
         patch,
     )
-    levers = known.levers
+    moment_arms = known.moment_arms
     own = _own(known, actuator, axis)
-    wanted = _wanted(levers, own, tip_stiffness, rigidity, modulus, section, bore, poisson)
-    is_known = which == "exact" or levers.kind == "bending"
+    wanted = _wanted(moment_arms, own, tip_stiffness, rigidity, modulus, section, bore, poisson)
+    is_known = which == "exact" or moment_arms.kind == "bending"
     require(is_known, "--rule", "SoMo has no formula for torsion")
-    found = levers.stiffness(wanted) if which == "exact" else levers.somo_stiffness(wanted)
-    others = list(compared(known.made, numbers_of("--numbers", numbers)))
-    this = following(levers, known.placement)
+    found = (
+        moment_arms.stiffness(wanted) if which == "exact" else moment_arms.somo_stiffness(wanted)
+    )
+    others = list(compare_placements(known.made, parse_joint_counts("--numbers", numbers)))
+    this = compare_with_beam(moment_arms, known.placement)
     if as_json:
-        typer.echo(json.dumps(_plain(levers, wanted, found, [*others, this]), indent=2))
+        typer.echo(json.dumps(_plain(moment_arms, wanted, found, [*others, this]), indent=2))
     else:
-        typer.echo(account.described(levers))
-        for line in account.stiffness_lines(levers, wanted, own):
+        typer.echo(report.described(moment_arms))
+        for line in report.stiffness_lines(moment_arms, wanted, own):
             typer.echo(line)
         typer.echo("")
         typer.echo("chains of this tip stiffness against a uniform beam:")
-        for line in account.following_lines(others, wanted, this):
+        for line in report.comparison_lines(others, wanted, this):
             typer.echo(line)
-    _keep(known, actuator, axis, found, write, patch)
+    _write_result(known, actuator, axis, found, write, patch)
 
 
 def _wanted(
-    levers: "Levers",
+    moment_arms: "MomentArms",
     own: float | None,
     tip_stiffness: float | None,
     rigidity: float | None,
@@ -164,14 +171,14 @@ def _wanted(
     if tip_stiffness is not None:
         return tip_stiffness
     if modulus is not None and section is not None:
-        rigidity = modulus * _moment(levers, section, bore, poisson)
+        rigidity = modulus * _moment(moment_arms, section, bore, poisson)
     if rigidity is None:
         assert own is not None
-        return levers.tip_stiffness(own)
-    return levers.tip_stiffness_of_beam(rigidity)
+        return moment_arms.tip_stiffness(own)
+    return moment_arms.tip_stiffness_of_beam(rigidity)
 
 
-def _moment(levers: "Levers", section: str, bore: str | None, poisson: float) -> float:
+def _moment(moment_arms: "MomentArms", section: str, bore: str | None, poisson: float) -> float:
     """Return what a modulus is multiplied by [m⁴]: I, or J over 2 (1 + Poisson's ratio)."""
     from somo_cli.calibration.section import parse_section
 
@@ -179,14 +186,14 @@ def _moment(levers: "Levers", section: str, bore: str | None, poisson: float) ->
         shape = parse_section(section)
         if bore is not None:
             shape = shape.without(parse_section(bore))
-        if levers.kind == "torsion":
+        if moment_arms.kind == "torsion":
             return shape.torsion_constant() / (2 * (1 + poisson))
-        return shape.second_moment(levers.direction[:2])
+        return shape.second_moment(moment_arms.direction[:2])
     except ValueError as error:
         raise typer.BadParameter(str(error), param_hint="'--section'") from error
 
 
-def _own(known: Given, actuator: int, axis: int) -> float | None:
+def _own(known: JointsToCalibrate, actuator: int, axis: int) -> float | None:
     """Return the stiffness of the axis's first joint in the definition, None if there is none."""
     if known.definition is None:
         return None
@@ -200,44 +207,49 @@ def _own(known: Given, actuator: int, axis: int) -> float | None:
     return next(found) or None
 
 
-def _keep(
-    known: Given, actuator: int, axis: int, found: float, write: str | None, patch: str | None
+def _write_result(
+    known: JointsToCalibrate,
+    actuator: int,
+    axis: int,
+    found: float,
+    write: str | None,
+    patch: str | None,
 ) -> None:
-    from somo_cli.calibration import joints
+    from somo_cli.calibration import joint_pointers
 
     if known.document is None:
-        direction = ", ".join(f"{value:g}" for value in known.levers.direction)
+        direction = ", ".join(f"{value:g}" for value in known.moment_arms.direction)
         piece = (
             "# one of the joint_definitions of an actuator\n"
             "joint_type: continuous\n"
             f"axis: [{direction}]\n"
-            f"spring_stiffness: {joints.rounded(found)!r} # N·m/rad\n"
+            f"spring_stiffness: {joint_pointers.rounded(found)!r} # N·m/rad\n"
         )
-        keep(None, {}, piece, write, patch)
+        write_result(None, {}, piece, write, patch)
         return
-    places = joints.pointers(known.document, (), actuator, axis)
-    profile = known.levers.profile.tolist()
-    values = joints.values(places, "spring_stiffness", found, profile)
-    keep(known.document, values, "", write, patch, {"spring_stiffness": "limits"})
+    places = joint_pointers.pointers(known.document, (), actuator, axis)
+    profile = known.moment_arms.profile.tolist()
+    values = joint_pointers.values(places, "spring_stiffness", found, profile)
+    write_result(known.document, values, "", write, patch, {"spring_stiffness": "limits"})
 
 
 def _plain(
-    levers: "Levers", wanted: float, found: float, followed: "list[Following]"
+    moment_arms: "MomentArms", wanted: float, found: float, followed: "list[BeamComparison]"
 ) -> dict[str, object]:
     return {
-        "kind": levers.kind,
-        "places_m": levers.places.tolist(),
-        "at_m": levers.at,
+        "kind": moment_arms.kind,
+        "places_m": moment_arms.places.tolist(),
+        "at_m": moment_arms.at,
         "tip_stiffness": wanted,
-        "rigidity": levers.rigidity(wanted),
+        "rigidity": moment_arms.rigidity(wanted),
         "spring_stiffness": found,
-        "tip_stiffness_made": levers.tip_stiffness(found),
-        "profile": levers.profile.tolist(),
+        "tip_stiffness_made": moment_arms.tip_stiffness(found),
+        "profile": moment_arms.profile.tolist(),
         "chains": [_plain_chain(one, wanted) for one in followed],
     }
 
 
-def _plain_chain(one: "Following", wanted: float) -> dict[str, object]:
+def _plain_chain(one: "BeamComparison", wanted: float) -> dict[str, object]:
     known = {
         "moment": one.moment,
         "weight": one.weight,
@@ -246,9 +258,9 @@ def _plain_chain(one: "Following", wanted: float) -> dict[str, object]:
         "top": one.top,
     }
     return {
-        "joints": one.levers.count,
+        "joints": one.moment_arms.count,
         "placement": one.placement,
-        "spring_stiffness": one.levers.stiffness(wanted),
+        "spring_stiffness": one.moment_arms.stiffness(wanted),
         "along": one.along,
         "errors_at_tenths": one.profile.tolist(),
         **{key: None if math.isnan(value) else value for key, value in known.items()},

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from somo_cli import terminal
+from somo_cli.cli.application import EXIT_CODES, report_errors, require
 from somo_cli.cli.calibrate import (
     AboutOption,
     ActuatorOption,
@@ -22,21 +23,25 @@ from somo_cli.cli.calibrate import (
     PlacesOption,
     WriteOption,
     calibrate,
-    rule_of,
-    table_of,
+    parse_rule,
+    read_table_file,
 )
-from somo_cli.cli.calibrate_given import Given, MadeOf, given, of_path
-from somo_cli.cli.calibrate_result import keep
-from somo_cli.cli.door import EXIT_CODES, ending, require
+from somo_cli.cli.calibrate_joints import (
+    JointOptions,
+    JointsToCalibrate,
+    definition_path,
+    joints_to_calibrate,
+)
+from somo_cli.cli.calibrate_result import write_result
 
 if TYPE_CHECKING:
-    from somo_cli.calibration.pressing import Press
+    from somo_cli.calibration.blocked_force_points import BlockedForcePoint
 
 PRESSURE, FORCE = "pressure_pa", "force_n"
 
 
 @calibrate.command(epilog=EXIT_CODES)
-@ending
+@report_errors
 def torque(
     definition: DefinitionArgument = None,
     force: Annotated[
@@ -93,15 +98,15 @@ def torque(
     pressures give a straight line and the torque per pressure, which --patch puts into the joint
     definition for scenes that are driven by pressure.
     """
-    from somo_cli.calibration.pressing import fitted, lines, plain
+    from somo_cli.calibration.blocked_force_points import fitted, lines, plain_data
 
-    which = rule_of(rule)
-    known = given(
-        of_path(definition, patch),
+    which = parse_rule(rule)
+    known = joints_to_calibrate(
+        definition_path(definition, patch),
         actuator,
         axis,
         at,
-        MadeOf(length, joints, places, axes, about, placement),
+        JointOptions(length, joints, places, axes, about, placement),
         write,
         patch,
     )
@@ -112,19 +117,19 @@ def torque(
     is_patchable = patch is None or per_pressure is not None
     require(is_patchable, "--patch", "give the --pressure, too: a definition has torque per pascal")
     if as_json:
-        typer.echo(json.dumps(plain(pressed, which, through), indent=2))
+        typer.echo(json.dumps(plain_data(pressed, which, through), indent=2))
     else:
-        for line in lines(known.levers, pressed, which, through):
+        for line in lines(known.moment_arms, pressed, which, through):
             typer.echo(line)
     if through is not None and through.has_offset:
-        terminal.say(
+        terminal.print_message(
             f"somo: warning: without pressure the line has {through.offset:.3g} N·m, more than the "
             "scatter explains; torque_per_pressure leaves it out"
         )
-        terminal.say(
+        terminal.print_message(
             "  hint: look for a dead band or an offset of the gauge, or use --through-zero"
         )
-    _keep(known, actuator, axis, pressed[-1].torque(which), per_pressure, write, patch)
+    _write_result(known, actuator, axis, pressed[-1].torque(which), per_pressure, write, patch)
 
 
 def _points(
@@ -139,9 +144,9 @@ def _points(
         is_pressure = pressure is None or (math.isfinite(pressure) and pressure != 0)
         require(is_pressure, "--pressure", f"{pressure} is not a pressure that does anything")
         return [(pressure, force)]
-    from somo_cli.document.table import require as require_columns
+    from somo_cli.document.table import require_columns
 
-    table = table_of(data)
+    table = read_table_file(data)
     require_columns(table, (PRESSURE, FORCE), None, 3, "a line with an error")
     pressures = table.columns[PRESSURE]
     require(len(set(pressures)) > 1, "--data", "all points are at the same pressure")
@@ -149,29 +154,29 @@ def _points(
 
 
 def _pressed(
-    known: Given,
+    known: JointsToCalibrate,
     actuator: int,
     axis: int,
     small_angles: bool,
     points: list[tuple[float | None, float]],
-) -> "list[Press]":
-    from somo_cli.calibration.pressing import Springs, press
+) -> "list[BlockedForcePoint]":
+    from somo_cli.calibration.blocked_force_points import AxisInDefinition, press
 
     springs = None
     if known.definition is not None and not small_angles:
-        springs = Springs(known.definition, actuator, axis)
-    found = [press(known.levers, springs, pressure, force) for pressure, force in points]
+        springs = AxisInDefinition(known.definition, actuator, axis)
+    found = [press(known.moment_arms, springs, pressure, force) for pressure, force in points]
     for one in found:
-        if springs is not None and one.equilibrium is None and known.levers.kind == "bending":
-            terminal.say(
+        if springs is not None and one.equilibrium is None and known.moment_arms.kind == "bending":
+            terminal.print_message(
                 f"somo: warning: at {one.force:g} N no equilibrium near the straight pose is found "
                 "with the springs of the definition; the rule of small angles is used"
             )
     return found
 
 
-def _keep(
-    known: Given,
+def _write_result(
+    known: JointsToCalibrate,
     actuator: int,
     axis: int,
     found: float,
@@ -179,22 +184,22 @@ def _keep(
     write: str | None,
     patch: str | None,
 ) -> None:
-    from somo_cli.calibration import joints
+    from somo_cli.calibration import joint_pointers
 
     if per_pressure is None:
         piece = (
             "# one entry of the actuation of a manipulator in a scene\n"
-            f"actuator: {actuator}\naxis: {axis}\ntorque: {joints.rounded(found)!r} # N·m\n"
+            f"actuator: {actuator}\naxis: {axis}\ntorque: {joint_pointers.rounded(found)!r} # N·m\n"
         )
-        keep(None, {}, piece, write, None)
+        write_result(None, {}, piece, write, None)
     elif known.document is None:
         piece = (
             "# for the joint_definitions of the axis\n"
-            f"torque_per_pressure: {joints.rounded(per_pressure)!r} # N·m/Pa\n"
+            f"torque_per_pressure: {joint_pointers.rounded(per_pressure)!r} # N·m/Pa\n"
         )
-        keep(None, {}, piece, write, None)
+        write_result(None, {}, piece, write, None)
     else:
-        places = joints.pointers(known.document, (), actuator, axis)
-        values = joints.values(places, "torque_per_pressure", per_pressure)
+        places = joint_pointers.pointers(known.document, (), actuator, axis)
+        values = joint_pointers.values(places, "torque_per_pressure", per_pressure)
         beside = {"torque_per_pressure": "spring_stiffness"}
-        keep(known.document, values, "", write, patch, beside)
+        write_result(known.document, values, "", write, patch, beside)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from somo_cli import files, terminal
-from somo_cli.cli.door import EXIT_CODES, OutsideOption, app, ending, require
+from somo_cli.cli.application import EXIT_CODES, OutsideOption, app, report_errors, require
 from somo_cli.problems import (
     InvalidFile,
     Problem,
@@ -20,12 +20,12 @@ if TYPE_CHECKING:
     from somo_cli.arrays import Array
     from somo_cli.document.parse import Document
     from somo_cli.manipulator.kinematics import Pose
-    from somo_cli.simulation.plan import Plan
-    from somo_cli.simulation.scene import Scene
+    from somo_cli.scene.model import Scene
+    from somo_cli.simulation.plan.model import Plan
 
 
 @app.command(epilog=EXIT_CODES)
-@ending
+@report_errors
 def check(
     paths: Annotated[
         list[str],
@@ -97,16 +97,16 @@ def _check_files(paths: Sequence[str], allow_outside: bool, is_strict: bool, as_
             texts.update(error.texts)
         except OSError as error:
             is_unreadable = True
-            terminal.say(f"somo: {error.filename or path}: {error.strerror or error}")
+            terminal.print_message(f"somo: {error.filename or path}: {error.strerror or error}")
         else:
-            faults = loading.judged(document)
+            faults = loading.check(document)
             found.extend(faults if has_errors(faults) else (*faults, *loading.overlaps(document)))
             texts.update(document.texts)
     found = list(in_reading_order(found, texts))
     if as_json:
         typer.echo(json.dumps([_plain(problem) for problem in found], indent=2))
     else:
-        terminal.say_problems(found, texts)
+        terminal.print_problems(found, texts)
     raise typer.Exit(5 if is_unreadable else int(_is_found(found, is_strict)))
 
 
@@ -118,7 +118,7 @@ def _scene_of(document: "Document", as_json: bool) -> "tuple[Scene, Sequence[Pro
         return loading.scene_of(document)
     except InvalidFile as error:
         # what is wrong with a file is a finding of check, not an end
-        _say_findings(error.problems, error.texts, {}, as_json)
+        _print_findings(error.problems, error.texts, {}, as_json)
         raise typer.Exit(1) from error
 
 
@@ -127,14 +127,14 @@ def _check_plan(path: str, allow_outside: bool, is_strict: bool, as_json: bool) 
 
     document = loading.load(path, allow_outside=allow_outside)
     scene, problems = _scene_of(document, as_json)
-    from somo_cli.simulation import explanation
-    from somo_cli.simulation.plan import make_plan
+    from somo_cli.simulation import plan_report
+    from somo_cli.simulation.plan.model import make_plan
 
     plan = make_plan(scene)
     found = in_reading_order([*problems, *loading.overlaps(document, scene)], document.texts)
-    _say_findings(found, document.texts, {"plan": explanation.plain(plan)}, as_json)
+    _print_findings(found, document.texts, {"plan": plan_report.plain_data(plan)}, as_json)
     if not as_json:
-        for decision in explanation.explain(plan):
+        for decision in plan_report.explain(plan):
             typer.echo(str(decision))
     raise typer.Exit(int(_is_found(found, is_strict)))
 
@@ -146,38 +146,40 @@ def _check_numerics(
 
     document = loading.load(path, allow_outside=allow_outside)
     scene, problems = _scene_of(document, as_json)
-    from somo_cli.analysis import outlook_account
-    from somo_cli.analysis.numerics import judge
-    from somo_cli.simulation.plan import make_plan
+    from somo_cli.analysis import stability_report
+    from somo_cli.analysis.numerics import assess
+    from somo_cli.simulation.plan.model import make_plan
 
     plan = make_plan(scene)
-    known = judge(plan, loading.as_scene(document), _met(trajectory, plan))
+    known = assess(plan, loading.as_scene(document), _recorded_poses(trajectory, plan))
     overlaps = loading.overlaps(document, scene)
     found = in_reading_order([*problems, *overlaps, *known.findings], document.texts)
-    _say_findings(found, document.texts, outlook_account.plain(known), as_json)
+    _print_findings(found, document.texts, stability_report.plain_data(known), as_json)
     if not as_json:
-        for line in outlook_account.table(known):
+        for line in stability_report.table(known):
             typer.echo(line)
     raise typer.Exit(int(_is_found(found, is_strict)))
 
 
-def _met(trajectory: str | None, plan: "Plan") -> "Mapping[str, Sequence[tuple[Pose, Array]]]":
-    from somo_cli.analysis.trajectory import poses_met
+def _recorded_poses(
+    trajectory: str | None, plan: "Plan"
+) -> "Mapping[str, Sequence[tuple[Pose, Array]]]":
+    from somo_cli.analysis.trajectory import visited_poses
 
     if trajectory is None:
         return {}
     with files.open_lines(trajectory) as lines:
-        return poses_met(lines, trajectory, plan)
+        return visited_poses(lines, trajectory, plan)
 
 
-def _say_findings(
+def _print_findings(
     found: Sequence[Problem],
     texts: Mapping[str, str],
     known: Mapping[str, object],
     as_json: bool,
 ) -> None:
     if not as_json:
-        terminal.say_problems(found, texts)
+        terminal.print_problems(found, texts)
         return
     findings = [{"code": problem.code or "document", **_plain(problem)} for problem in found]
     typer.echo(json.dumps({"findings": findings, **known}, indent=2))

@@ -5,11 +5,11 @@ from typing import Annotated
 import typer
 
 from somo_cli import files
-from somo_cli.cli.door import EXIT_CODES, app, ending
+from somo_cli.cli.application import EXIT_CODES, app, report_errors
 
 
 @app.command(epilog=EXIT_CODES)
-@ending
+@report_errors
 def examples(
     folder: Annotated[str, typer.Argument(help="A folder to make.")] = "somo-examples",
 ) -> None:

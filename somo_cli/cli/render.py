@@ -9,31 +9,31 @@ import typer
 
 from somo_cli import files, terminal
 from somo_cli.cli import render_source
-from somo_cli.cli.door import (
+from somo_cli.cli.application import (
     EXIT_CODES,
     OutsideOption,
     QuietOption,
     SetOption,
     app,
-    ending,
     refuse_overwriting,
+    report_errors,
     require,
 )
 from somo_cli.cli.render_look import look_of
-from somo_cli.cli.render_times import Timing
+from somo_cli.cli.render_timing import Timing
 
 if TYPE_CHECKING:
     from somo_cli.document.parse import Document
-    from somo_cli.picture.draw import Look
+    from somo_cli.picture.draw import PictureSettings
     from somo_cli.picture.facets import Array
-    from somo_cli.picture.recording import Recording
-    from somo_cli.simulation.scene import Scene
+    from somo_cli.picture.recorded_motion import RecordedMotion
+    from somo_cli.scene.model import Scene
 
 STILL = ".png"
 
 
 @app.command(epilog=EXIT_CODES)
-@ending
+@report_errors
 def render(
     source: Annotated[
         str,
@@ -139,15 +139,15 @@ def render(
     if is_csv:
         document, recording = render_source.recorded(source, scene, sets or [], allow_outside)
         refuse_overwriting(document, written)
-        times = timing.of(recording)
+        times = timing.frame_times(recording)
     else:
         document, found = render_source.read_scene(source, sets or [], allow_outside)
         refuse_overwriting(document, written)
         recording, times = _simulated(document, found, timing)
     drawn = _pictures(recording, times, look)
-    files.write_whole(written, _encoded(drawn, look, timing, kind))
+    files.write_atomically(written, _encoded(drawn, look, timing, kind))
     if not quiet:
-        terminal.say(f"{written}: {_summary(recording, times, look, timing)}")
+        terminal.print_message(f"{written}: {_summary(recording, times, look, timing)}")
 
 
 def _kind_of(written: str) -> str:
@@ -169,24 +169,28 @@ def _require_encoder(timing: Timing) -> None:
 
 def _simulated(
     document: "Document", scene: "Scene", timing: Timing
-) -> "tuple[Recording, tuple[float, ...]]":
-    from somo_cli.simulation import penetration
+) -> "tuple[RecordedMotion, tuple[float, ...]]":
+    from somo_cli.simulation.monitoring import penetration
 
     steps = timing.steps_of(scene)
     spacing = timing.between if timing.is_film else None
     recording, summary = render_source.simulated(document, scene, steps, spacing)
     if summary.deepest is not None and summary.deepest.is_deep:
-        terminal.say(f"somo: warning: {penetration.advice(summary.deepest, scene.time_step)}")
+        terminal.print_message(
+            f"somo: warning: {penetration.penetration_warning(summary.deepest, scene.time_step)}"
+        )
     why = ""
     if summary.stopped is not None:
         why = f", where stop[{summary.stopped.condition}] ends it: {summary.stopped.reason}"
         if timing.is_film and summary.steps < steps:
-            terminal.say(f"the film ends at {recording.times[-1]:.9g} s{why}")
+            terminal.print_message(f"the film ends at {recording.times[-1]:.9g} s{why}")
             timing = dataclasses.replace(timing, until=None)
-    return recording, timing.of(recording, why)
+    return recording, timing.frame_times(recording, why)
 
 
-def _pictures(recording: "Recording", times: Sequence[float], look: "Look") -> "Iterator[Array]":
+def _pictures(
+    recording: "RecordedMotion", times: Sequence[float], look: "PictureSettings"
+) -> "Iterator[Array]":
     from somo_cli.picture.draw import pictures
 
     with terminal.progress(len(times), "drawing") as advance:
@@ -195,7 +199,7 @@ def _pictures(recording: "Recording", times: Sequence[float], look: "Look") -> "
             yield picture
 
 
-def _encoded(drawn: "Iterator[Array]", look: "Look", timing: Timing, kind: str) -> bytes:
+def _encoded(drawn: "Iterator[Array]", look: "PictureSettings", timing: Timing, kind: str) -> bytes:
     if timing.is_film:
         from somo_cli.picture import film
 
@@ -205,11 +209,13 @@ def _encoded(drawn: "Iterator[Array]", look: "Look", timing: Timing, kind: str) 
     return png(next(drawn))
 
 
-def _summary(recording: "Recording", times: Sequence[float], look: "Look", timing: Timing) -> str:
-    from somo_cli.picture.draw import square_of
+def _summary(
+    recording: "RecordedMotion", times: Sequence[float], look: "PictureSettings", timing: Timing
+) -> str:
+    from somo_cli.picture.draw import tile_edge
 
     width, height = look.size
-    square = square_of(recording, times)
+    square = tile_edge(recording, times)
     ground = "" if square is None else f", squares of {square:g} m"
     if not timing.is_film:
         return f"{width} x {height} pixels, at {times[0]:.9g} s{ground}"

@@ -6,25 +6,25 @@ import dataclasses
 import math
 from typing import TYPE_CHECKING
 
-from somo_cli.cli.door import require
+from somo_cli.cli.application import require
 
 if TYPE_CHECKING:
     from somo_cli.picture.camera import View
-    from somo_cli.picture.draw import Look
+    from somo_cli.picture.draw import PictureSettings
 
-MOST_PIXELS = 4096  # across or down
+MAX_PIXELS = 4096  # across or down
 
 
-def look_of(camera: str, target: str | None, size: str, is_even: bool) -> Look:
+def look_of(camera: str, target: str | None, size: str, is_even: bool) -> PictureSettings:
     """Return what --camera, --target and --size say; with `is_even` both pixels must be even."""
-    from somo_cli.picture.draw import Look
+    from somo_cli.picture.draw import PictureSettings
 
     width, _, height = size.partition("x")
     is_size = all(part.isascii() and part.isdigit() for part in (width, height))
     require(
-        is_size and all(16 <= int(part) <= MOST_PIXELS for part in (width, height)),
+        is_size and all(16 <= int(part) <= MAX_PIXELS for part in (width, height)),
         "--size",
-        f"{size!r} is not two numbers of pixels from 16 to {MOST_PIXELS}, such as 960x720",
+        f"{size!r} is not two numbers of pixels from 16 to {MAX_PIXELS}, such as 960x720",
     )
     pixels = (int(width), int(height))
     is_fit = not (is_even and any(number % 2 for number in pixels))
@@ -33,7 +33,7 @@ def look_of(camera: str, target: str | None, size: str, is_even: bool) -> Look:
     if target is not None:
         x, y, z = _numbers(target, "--target", (3,))
         view = dataclasses.replace(view, target=(x, y, z))
-    return Look(view, pixels)
+    return PictureSettings(view, pixels)
 
 
 def _view(camera: str) -> View:

@@ -11,18 +11,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from somo_cli import files, terminal
-from somo_cli.cli.run_targets import beside
+from somo_cli.cli.run_outputs import beside
 from somo_cli.problems import InvalidFile, Problem, Span
 
 if TYPE_CHECKING:
     from somo_cli.arrays import Array
     from somo_cli.document.parse import Document
     from somo_cli.document.table import Table
-    from somo_cli.picture.recording import Recording
-    from somo_cli.simulation.run import Summary
-    from somo_cli.simulation.scene import Scene
+    from somo_cli.picture.recorded_motion import RecordedMotion
+    from somo_cli.scene.model import Scene
+    from somo_cli.simulation.run import RunSummary
 
-LARGEST_RECORDING = 500_000_000  # bytes
+MAX_RECORDING_BYTES = 500_000_000  # bytes
 _BETWEEN = 8  # rows recorded from picture to picture, where these do not fall on steps
 
 
@@ -37,23 +37,23 @@ def read_scene(path: str, sets: Sequence[str], allow_outside: bool) -> tuple[Doc
 
     document = loading.load(path, sets, allow_outside)
     scene, warnings = loading.scene_of(document)
-    terminal.say_problems(warnings, document.texts)
+    terminal.print_problems(warnings, document.texts)
     return document, scene
 
 
 def simulated(
     document: Document, scene: Scene, steps: int, every: float | None = None
-) -> tuple[Recording, Summary]:
+) -> tuple[RecordedMotion, RunSummary]:
     """Simulate a scene for so many steps; its recording has the last one in it.
 
     With `every` [s] there are rows at its multiples, or at least several in between. Raises what
     a run raises.
     """
     from somo_cli import loading
-    from somo_cli.picture.recording import Recording, drawn
-    from somo_cli.simulation import columns
-    from somo_cli.simulation.bullet import BulletWorld
-    from somo_cli.simulation.plan import make_plan
+    from somo_cli.picture.recorded_motion import RecordedMotion, drawn
+    from somo_cli.scene import columns
+    from somo_cli.simulation.engine.bullet.world import BulletWorld
+    from somo_cli.simulation.plan.model import make_plan
     from somo_cli.simulation.run import run
 
     loading.refuse_overlaps(document, scene)
@@ -63,25 +63,24 @@ def simulated(
     blocks: list[Array] = []
     with BulletWorld(plan) as world, terminal.progress(steps, "simulating") as advance:
         summary = run(plan, world, blocks.append, steps, time.perf_counter, advance)
-    names = columns.header(plan)
+    names = columns.header(plan.recorded)
     rows = [row for block in blocks for row in block.tolist()]
     table = dict(zip(names, zip(*rows, strict=True), strict=True))
-    return Recording(scene, table), summary
+    return RecordedMotion(scene, table), summary
 
 
 def recorded(
     path: str, scene: str | None, sets: Sequence[str], allow_outside: bool
-) -> tuple[Document, Recording]:
+) -> tuple[Document, RecordedMotion]:
     """Read a CSV of `somo run` and the scene that it is of; raise OSError and InvalidFile.
 
     The scene is the one that the `.meta.json` beside it names, with what overrode it, or the one
     given in its place.
     """
-    from somo_cli.document.table import read_table
-    from somo_cli.document.table import require as require_columns
-    from somo_cli.picture.recording import Recording
+    from somo_cli.document.table import read_table, require_columns
+    from somo_cli.picture.recorded_motion import RecordedMotion
 
-    table = read_table(files.read_text(path, LARGEST_RECORDING), path)
+    table = read_table(files.read_text(path, MAX_RECORDING_BYTES), path)
     require_columns(table, increasing="time_s")
     about = _about(path, scene is None)
     overrides = [*about.get("overrides", ()), *sets]
@@ -94,8 +93,8 @@ def recorded(
         message = f"the scene that this was recorded of, {named}, is not there"
         place = Span(beside(path, "meta.json"), 1, 1)
         raise InvalidFile([Problem(place, message, "name it with --scene")]) from error
-    terminal.say_problems(_changes(about.get("inputs", {}), document), document.texts)
-    recording = Recording(found, table.columns)
+    terminal.print_problems(_changes(about.get("inputs", {}), document), document.texts)
+    recording = RecordedMotion(found, table.columns)
     _require_all(recording, table)
     return document, recording
 
@@ -113,7 +112,7 @@ def _about(path: str, is_needed: bool) -> Mapping[str, Any]:
     name = beside(path, "meta.json")
     hint = "record it again, or name the scene with --scene"
     try:
-        data: Any = json.loads(files.read_text(name, LARGEST_RECORDING))
+        data: Any = json.loads(files.read_text(name, MAX_RECORDING_BYTES))
     except FileNotFoundError as error:
         if not is_needed:
             return {}
@@ -155,8 +154,8 @@ def _relative(source: str, to: str) -> str:
         return source
 
 
-def _require_all(recording: Recording, table: Table) -> None:
-    wanted = recording.wanted()
+def _require_all(recording: RecordedMotion, table: Table) -> None:
+    wanted = recording.required_columns()
     missing = [name for name in wanted if name not in table.columns]
     if not missing:
         return

@@ -10,28 +10,28 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from somo_cli import files, terminal
-from somo_cli.cli.door import (
+from somo_cli.cli.application import (
     EXIT_CODES,
     OutsideOption,
     QuietOption,
     SetOption,
     app,
-    ending,
+    report_errors,
     require,
 )
 from somo_cli.problems import ExtraMissing, InvalidFile, Problem
 
 if TYPE_CHECKING:
-    from somo_cli.analysis.instants import Instants
-    from somo_cli.analysis.study import Question, Study
+    from somo_cli.analysis.common_instants import Instants
+    from somo_cli.analysis.study import Study, StudySettings
     from somo_cli.document.parse import Document
-    from somo_cli.simulation.scene import Integrator, Scene
+    from somo_cli.scene.model import Integrator, Scene
 
 INTEGRATORS = ("implicit", "euler", "explicit")
 
 
 @app.command(epilog=EXIT_CODES)
-@ending
+@report_errors
 def report(
     scene: Annotated[str, typer.Argument(help="A scene, or a definition to run by itself.")],
     duration: Annotated[
@@ -85,18 +85,18 @@ def report(
     names; run times are those of the stepping loop alone.
     """
     from somo_cli import loading
-    from somo_cli.analysis import account, named
-    from somo_cli.analysis.study import Question
-    from somo_cli.simulation.metadata import origin
+    from somo_cli.analysis import closed_form_references, study_report
+    from somo_cli.analysis.study import StudySettings
+    from somo_cli.simulation.metadata import provenance
 
     require(0 < duration <= 1e6, "--duration", f"{duration} is not greater than 0 and at most 1e6")
     require(0 < target < 1, "--target", f"{target} is not between 0 and 1")
     document = loading.load(scene, sets or [], allow_outside)
     planned, warnings = loading.scene_of(document)
-    terminal.say_problems(warnings, document.texts)
+    terminal.print_problems(warnings, document.texts)
     loading.refuse_overlaps(document, planned)
     steps = _steps(time_steps, planned.time_step)
-    question = Question(
+    question = StudySettings(
         steps,
         _integrators(integrators),
         _counts(segments),
@@ -104,34 +104,34 @@ def report(
         repeats,
     )
     with _reference_of(document):
-        named.require(planned)
+        closed_form_references.check_applicable(planned)
         study = _studied(planned, question)
 
     folder = Path(output or f"{Path(scene).stem}_report")
     pictures = _pictures(study, Path(scene).stem)
     folder.mkdir(parents=True, exist_ok=True)
-    about = {**origin(document.texts, sets or []), **account.plain(study, target)}
-    files.write_whole(str(folder / "report.json"), json.dumps(about, indent=2) + "\n")
-    files.write_whole(str(folder / "report.csv"), account.csv_text(study))
+    about = {**provenance(document.texts, sets or []), **study_report.plain_data(study, target)}
+    files.write_atomically(str(folder / "report.json"), json.dumps(about, indent=2) + "\n")
+    files.write_atomically(str(folder / "report.csv"), study_report.csv_text(study))
     for kind, picture in pictures.items():
-        files.write_whole(str(folder / f"report.{kind}"), picture)
-    typer.echo(account.table(study))
+        files.write_atomically(str(folder / f"report.{kind}"), picture)
+    typer.echo(study_report.table(study))
     typer.echo("")
-    for remark in account.remarks(study, target):
+    for remark in study_report.remarks(study, target):
         typer.echo(remark)
     if not quiet:
         kinds = ", ".join(f"report.{kind}" for kind in ("csv", "json", *pictures))
-        terminal.say(f"{folder}: {kinds}")
+        terminal.print_message(f"{folder}: {kinds}")
 
 
 @contextmanager
 def _reference_of(document: "Document") -> Iterator[None]:
     """Blame the reference that a scene names for not being about that scene."""
-    from somo_cli.analysis import named
+    from somo_cli.analysis import closed_form_references
 
     try:
         yield
-    except named.NotTheCase as error:
+    except closed_form_references.ReferenceMismatch as error:
         name = document.at(("reference",))
         message = f"this scene is not what the closed form '{name}' is about: {error}"
         hint = "leave reference out to measure against the scene at vanishing step"
@@ -142,11 +142,11 @@ def _reference_of(document: "Document") -> Iterator[None]:
 def _steps(text: str | None, own: float) -> tuple[float, ...]:
     from fractions import Fraction
 
-    from somo_cli.analysis import instants
+    from somo_cli.analysis import common_instants
 
     if text is None:
         rungs = (Fraction(4), Fraction(2), Fraction(1), Fraction(1, 2), Fraction(1, 4))
-        return instants.ladder(own, rungs)
+        return common_instants.scaled_steps(own, rungs)
     try:
         steps = tuple(dict.fromkeys(float(part) for part in text.split(",")))
     except ValueError:
@@ -179,22 +179,22 @@ def _counts(text: str | None) -> tuple[int | None, ...]:
 
 
 def _instants(steps: Sequence[float], duration: float) -> "Instants":
-    from somo_cli.analysis import instants
+    from somo_cli.analysis import common_instants
 
     try:
-        return instants.common(steps, duration)
-    except instants.NothingInCommon as error:
+        return common_instants.common_instants(steps, duration)
+    except common_instants.NoCommonInstants as error:
         hint = "choose steps that are multiples of one another, or a longer --duration"
         raise typer.BadParameter(f"{error}; {hint}", param_hint="'--time-steps'") from error
 
 
-def _studied(scene: "Scene", question: "Question") -> "Study":
-    from somo_cli.analysis.study import study, work
-    from somo_cli.manipulator.segments import NotUniform
-    from somo_cli.simulation.bullet import BulletWorld
+def _studied(scene: "Scene", question: "StudySettings") -> "Study":
+    from somo_cli.analysis.study import study, total_steps
+    from somo_cli.manipulator.resegmentation import NotUniform
+    from somo_cli.simulation.engine.bullet.world import BulletWorld
 
     try:
-        with terminal.progress(work(question), "measuring") as advance:
+        with terminal.progress(total_steps(question), "measuring") as advance:
             return study(scene, question, BulletWorld, time.perf_counter, advance)
     except NotUniform as error:
         raise typer.BadParameter(str(error), param_hint="'--segments'") from error
@@ -206,5 +206,5 @@ def _pictures(study: "Study", title: str) -> dict[str, bytes]:
     try:
         return work_precision.draw(study, title)
     except ExtraMissing as error:
-        terminal.say(f"somo: {error}")
+        terminal.print_message(f"somo: {error}")
         return {}

@@ -10,31 +10,31 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from somo_cli import files, terminal
-from somo_cli.cli.door import (
+from somo_cli.cli.application import (
     EXIT_CODES,
     OutsideOption,
     QuietOption,
     SetOption,
     app,
-    ending,
     refuse_overwriting,
+    report_errors,
     require,
 )
-from somo_cli.cli.run_targets import Targets, beside, picking, target_of_events
+from somo_cli.cli.run_outputs import Targets, beside, target_of_events, with_columns
 from somo_cli.problems import SimulationDiverged
 
 if TYPE_CHECKING:
-    from somo_cli.analysis.half_step import Estimate
+    from somo_cli.analysis.error_estimate import ErrorEstimate
     from somo_cli.document.parse import Document
     from somo_cli.loading import Auto
-    from somo_cli.simulation.plan import Plan
-    from somo_cli.simulation.recorder import RowSpool
-    from somo_cli.simulation.run import Summary
-    from somo_cli.simulation.scene import Scene
+    from somo_cli.scene.model import Scene
+    from somo_cli.simulation.plan.model import Plan
+    from somo_cli.simulation.recording.csv_writer import RowSpool
+    from somo_cli.simulation.run import RunSummary
 
 
 @app.command(epilog=EXIT_CODES)
-@ending
+@report_errors
 def run(
     scene: Annotated[str, typer.Argument(help="A scene, or a definition to run by itself.")],
     steps: Annotated[int, typer.Option("--steps", min=0, help="Number of time steps.")],
@@ -109,21 +109,21 @@ def run(
     step = _step(time_step)
     document = loading.load(scene, sets or [], allow_outside)
     planned, warnings = loading.scene_of(document, every, step)
-    terminal.say_problems(warnings, document.texts)
+    terminal.print_problems(warnings, document.texts)
     if record:
-        planned = picking(planned, record)
+        planned = with_columns(planned, record)
     target = output or f"{Path(scene).stem}.csv"
     refuse_overwriting(document, target)
     targets = target, target_of_events(planned, target, events)
     if targets[1] is not None:
         refuse_overwriting(document, targets[1], "--events")
     loading.refuse_overlaps(document, planned)
-    from somo_cli.simulation import explanation
-    from somo_cli.simulation.plan import make_plan
+    from somo_cli.simulation import plan_report
+    from somo_cli.simulation.plan.model import make_plan
 
     plan = make_plan(planned, keeps_everything)
     if explains:
-        terminal.say_lines(map(str, explanation.explain(plan)))
+        terminal.print_lines(map(str, plan_report.explain(plan)))
     _simulate(plan, planned, document, steps, targets, sets or [], with_error, quiet)
 
 
@@ -152,51 +152,60 @@ def _simulate(
     with_error: bool,
     quiet: bool,
 ) -> None:
-    from somo_cli.simulation import columns, penetration
+    from somo_cli.scene import columns
     from somo_cli.simulation.metadata import metadata
-    from somo_cli.simulation.recorder import RowSpool
+    from somo_cli.simulation.monitoring import penetration
+    from somo_cli.simulation.recording.csv_writer import RowSpool
 
     output, of_events = targets
-    names = columns.header(plan)
-    with files.spool() if with_error else nullcontext() as kept:
+    names = columns.header(plan.recorded)
+    with files.temporary_file() if with_error else nullcontext() as kept:
         spool = None if kept is None else RowSpool(kept, len(names))
         summary, events = _recorded(plan, steps, targets, names, spool)
         about = metadata(
-            plan, summary, document.texts, sets, names, scene.is_step_chosen, scene.expected_error
+            plan,
+            summary,
+            document.texts,
+            sets,
+            names,
+            scene.is_time_step_automatic,
+            scene.expected_tip_error,
         )
-        about["scene"] = files.relative(document.source, output)
+        about["scene"] = files.relative_path(document.source, output)
         if events is not None:
             about["events"] = events
-        told, failure = None, None
+        error_estimate, failure = None, None
         if spool is not None:
             try:
-                told = _estimated(plan, spool, summary.steps)
-                about["error"] = _plain(told, names[1:])
+                error_estimate = _estimated(plan, spool, summary.steps)
+                about["error"] = _plain(error_estimate, names[1:])
             except SimulationDiverged as error:
                 about["error"], failure = None, error
     if output != "-" and not files.is_direct(output):
-        files.write_whole(beside(output, "meta.json"), json.dumps(about, indent=2) + "\n")
+        files.write_atomically(beside(output, "meta.json"), json.dumps(about, indent=2) + "\n")
     if not quiet:
         if summary.stopped is not None:
             time_of_end = f"{summary.steps * plan.time_step:.9g} s"
             number, reason = summary.stopped.condition, summary.stopped.reason
-            terminal.say(f"stopped at {time_of_end} by stop[{number}]: {reason}")
+            terminal.print_message(f"stopped at {time_of_end} by stop[{number}]: {reason}")
         target = "standard output" if output == "-" else output
-        chosen = f", time step {plan.time_step:g} s" if scene.is_step_chosen else ""
-        terminal.say(
+        chosen = f", time step {plan.time_step:g} s" if scene.is_time_step_automatic else ""
+        terminal.print_message(
             f"{target}: {summary.rows} rows of {len(names)} columns; "
             f"{summary.steps * plan.time_step:g} s in {summary.wall_time:.3g} s{chosen}, "
             f"{about['steps_per_second'] or 0:.0f} steps per second"
         )
         if of_events is not None:
             place = "standard output" if of_events == "-" else of_events
-            terminal.say(f"{place}: {events} events")
+            terminal.print_message(f"{place}: {events} events")
     if summary.deepest is not None and summary.deepest.is_deep:
-        terminal.say(f"somo: warning: {penetration.advice(summary.deepest, plan.time_step)}")
-    if told is not None:
-        terminal.say_lines(_table(told, names[1:]))
+        terminal.print_message(
+            f"somo: warning: {penetration.penetration_warning(summary.deepest, plan.time_step)}"
+        )
+    if error_estimate is not None:
+        terminal.print_lines(_table(error_estimate, names[1:]))
     if failure is not None:
-        terminal.say("somo: there is no estimate of the error: at half the step")
+        terminal.print_message("somo: there is no estimate of the error: at half the step")
         raise failure
 
 
@@ -206,11 +215,11 @@ def _recorded(
     targets: Targets,
     names: Sequence[str],
     spool: "RowSpool | None",
-) -> "tuple[Summary, int | None]":
+) -> "tuple[RunSummary, int | None]":
     """Simulate into the files; return what happened and how many events there were, if asked."""
-    from somo_cli.simulation.bullet import BulletWorld
-    from somo_cli.simulation.events import EventRecorder
-    from somo_cli.simulation.recorder import CsvRecorder
+    from somo_cli.simulation.engine.bullet.world import BulletWorld
+    from somo_cli.simulation.monitoring.contact_events import ContactEventWriter
+    from somo_cli.simulation.recording.csv_writer import CsvWriter
     from somo_cli.simulation.run import run as simulate
 
     output, of_events = targets
@@ -218,14 +227,14 @@ def _recorded(
     try:
         # the outputs come first: the world takes standard output away from the engine
         with (
-            files.partial(output) as stream,
-            nullcontext() if of_events is None else files.partial(of_events) as event_stream,
+            files.open_partial(output) as stream,
+            nullcontext() if of_events is None else files.open_partial(of_events) as event_stream,
             BulletWorld(plan) as world,
             terminal.progress(steps, "simulating") as advance,
         ):
-            recorder = CsvRecorder(stream, names, is_live=is_live)
-            events = None if event_stream is None else EventRecorder(event_stream, plan)
-            write = recorder.write if spool is None else spool.onward_to(recorder.write)
+            recorder = CsvWriter(stream, names, is_live=is_live)
+            events = None if event_stream is None else ContactEventWriter(event_stream, plan)
+            write = recorder.write if spool is None else spool.write_through(recorder.write)
             tell = None if events is None else events.write
             clock = time.perf_counter
             summary = simulate(plan, world, write, steps, clock, advance, tell, is_live)
@@ -233,37 +242,37 @@ def _recorded(
     except (SimulationDiverged, KeyboardInterrupt):
         for target in targets:
             if target not in (None, "-") and Path(f"{target}.partial").exists():
-                terminal.say(f"somo: the rows so far are in {target}.partial")
+                terminal.print_message(f"somo: the rows so far are in {target}.partial")
         raise
 
 
-def _estimated(plan: "Plan", spool: "RowSpool", steps: int) -> "Estimate":
-    from somo_cli.analysis.half_step import estimate
-    from somo_cli.simulation.bullet import BulletWorld
+def _estimated(plan: "Plan", spool: "RowSpool", steps: int) -> "ErrorEstimate":
+    from somo_cli.analysis.error_estimate import estimate
+    from somo_cli.simulation.engine.bullet.world import BulletWorld
 
     with terminal.progress(2 * steps, "at half the step") as advance:
         return estimate(plan, spool.reader(), steps, BulletWorld, time.perf_counter, advance)
 
 
-def _plain(told: "Estimate", names: Sequence[str]) -> dict[str, object]:
+def _plain(error_estimate: "ErrorEstimate", names: Sequence[str]) -> dict[str, object]:
     return {
         "method": "the same scene at half the step",
-        "order": told.order,
-        "run_time_s": told.run_time,
+        "order": error_estimate.order,
+        "run_time_s": error_estimate.run_time,
         "columns": {
             name: {"final": error.final, "max": error.maximum, "rms": error.rms}
-            for name, error in zip(names, told.errors, strict=True)
+            for name, error in zip(names, error_estimate.errors, strict=True)
         },
     }
 
 
-def _table(told: "Estimate", names: Sequence[str]) -> list[str]:
+def _table(error_estimate: "ErrorEstimate", names: Sequence[str]) -> list[str]:
     width = max(map(len, names), default=0)
     return [
-        f"estimated error, by the same scene at half the step ({told.run_time:.3g} s more):",
+        f"estimated error, by the same scene at half the step ({error_estimate.run_time:.3g} s more):",
         f"  {'':{width}}  {'final':>8}  {'max':>8}  {'rms':>8}",
         *(
             f"  {name:{width}}  {error.final:8.1e}  {error.maximum:8.1e}  {error.rms:8.1e}"
-            for name, error in zip(names, told.errors, strict=True)
+            for name, error in zip(names, error_estimate.errors, strict=True)
         ),
     ]

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from somo_cli.document.edit import embed_all
-from somo_cli.document.parse import MOST_VALUES, Document, parse
+from somo_cli.document.parse import MAX_VALUES, Document, parse
 from somo_cli.problems import InvalidFile, Pointer, Problem, Span
 
 _PATH = "paths are relative to the file that names them, and stay in its folder or below"
@@ -51,8 +51,8 @@ def include(
             else:
                 parts[pointer] = read[source]
         total = len(document.spans) + sum(len(part.spans) for part in parts.values())
-        if total > MOST_VALUES:
-            message = f"more than {MOST_VALUES} values, with the files it names"
+        if total > MAX_VALUES:
+            message = f"more than {MAX_VALUES} values, with the files it names"
             problems.append(Problem(document.span(()), message))
             break
         document = embed_all(document, parts)
@@ -60,7 +60,9 @@ def include(
     return replace(document, texts=texts), tuple(problems)
 
 
-def unread(document: Document, places: Iterable[tuple[str, ...]]) -> Sequence[Pointer]:
+def unresolved_references(
+    document: Document, places: Iterable[tuple[str, ...]]
+) -> Sequence[Pointer]:
     """Return the pointers to what still names a file."""
     return [pointer for place in places for pointer, _ in _named(document.data, place)]
 

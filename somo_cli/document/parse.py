@@ -18,11 +18,11 @@ from yaml.reader import Reader
 from yaml.resolver import Resolver
 from yaml.scanner import Scanner
 
-from somo_cli.problems import LARGEST_TEXT, LINE_BREAK, InvalidFile, Pointer, Problem, Span
+from somo_cli.problems import LINE_BREAK, MAX_TEXT_BYTES, InvalidFile, Pointer, Problem, Span
 
-DEEPEST = 50
-MOST_VALUES = 200_000
-_MOST_CHARACTERS = 20  # kinds of control characters reported
+MAX_DEPTH = 50
+MAX_VALUES = 200_000
+_MAX_CHARACTERS = 20  # kinds of control characters reported
 
 _PLAIN = "plain"  # our tag for a scalar without quotes and without a tag
 _UNTAGGED = ""
@@ -91,33 +91,33 @@ def parse(text: str, source: str) -> Document:
     text = text.removeprefix("\ufeff")
     texts = {source: text}
     start = Span(source, 1, 1)
-    if len(text) > LARGEST_TEXT or len(text.encode("utf-8", "surrogatepass")) > LARGEST_TEXT:
-        message = f"the text is longer than {LARGEST_TEXT} bytes"
+    if len(text) > MAX_TEXT_BYTES or len(text.encode("utf-8", "surrogatepass")) > MAX_TEXT_BYTES:
+        message = f"the text is longer than {MAX_TEXT_BYTES} bytes"
         raise InvalidFile([Problem(start, message)], texts)
     forbidden = _control_characters(text, source)
     if forbidden:
         raise InvalidFile(forbidden, texts)
 
-    walk = _Walk(text, source)
+    reader = _NodeReader(text, source)
     composer = _Composer(_without_json_tabs(text))
     try:
         root, surplus = composer.compose_one()
     except MarkedYAMLError as error:
-        raise InvalidFile([walk.syntax(error)], texts) from error
+        raise InvalidFile([reader.syntax_problem(error)], texts) from error
     except (YAMLError, ValueError, OverflowError) as error:
         # PyYAML 6.0 lets chr() fail on escapes such as "\UFFFFFFFF".
-        problem = Problem(walk.place(composer.get_mark()), "this is not a character")
+        problem = Problem(reader.place(composer.get_mark()), "this is not a character")
         raise InvalidFile([problem], texts) from error
     if root is None:
         raise InvalidFile([Problem(start, "the file is empty")], texts)
-    value = walk.value(root, (), start)
+    value = reader.value(root, (), start)
     if surplus is not None:
         message = "a second document starts here"
         hint = "keep one document in a file"
-        walk.problems.append(Problem(walk.place(surplus, 3), message, hint))
-    if walk.problems:
-        raise InvalidFile(walk.problems, texts)
-    return Document(source, value, texts, walk.spans)
+        reader.problems.append(Problem(reader.place(surplus, 3), message, hint))
+    if reader.problems:
+        raise InvalidFile(reader.problems, texts)
+    return Document(source, value, texts, reader.spans)
 
 
 class _Composer(Reader, Scanner, Parser, Composer, Resolver):
@@ -174,16 +174,16 @@ class _Composer(Reader, Scanner, Parser, Composer, Resolver):
 
     def _grow(self, event: Any, count: int, height: int) -> None:
         self._count += count
-        if self._count > MOST_VALUES:
-            self._refuse(event, f"more than {MOST_VALUES} values, with aliases expanded")
-        if self._depth + height > DEEPEST:
-            self._refuse(event, f"nested more than {DEEPEST} deep")
+        if self._count > MAX_VALUES:
+            self._refuse(event, f"more than {MAX_VALUES} values, with aliases expanded")
+        if self._depth + height > MAX_DEPTH:
+            self._refuse(event, f"nested more than {MAX_DEPTH} deep")
 
     def _refuse(self, event: Any, message: str) -> None:
         raise MarkedYAMLError(problem=message, problem_mark=event.start_mark)
 
 
-class _Walk:
+class _NodeReader:
     """One pass over the node graph, collecting values, spans and faults."""
 
     def __init__(self, text: str, source: str) -> None:
@@ -206,7 +206,7 @@ class _Walk:
         self.spans[pointer] = (key or here, here)
         if node.tag not in (_PLAIN, _UNTAGGED):
             tag = node.tag.replace("tag:yaml.org,2002:", "!!")
-            self._fault(
+            self._add_problem(
                 self.place(node.start_mark), f"tag '{tag}' is not allowed", "remove the tag"
             )
         if isinstance(node, MappingNode):
@@ -244,7 +244,7 @@ class _Walk:
             name = self._key(key, span)
             if name in first:
                 message = f"duplicate key '{_short(name)}', first on line {first[name].line}"
-                self._fault(span, message, "keep one of them")
+                self._add_problem(span, message, "keep one of them")
             first.setdefault(name, span)
             if name == _MERGE and key.tag == _PLAIN:
                 merged.extend(self._merged(child))
@@ -262,23 +262,23 @@ class _Walk:
                 yield part
             else:
                 message = f"'{_MERGE}' takes a mapping or a list of mappings"
-                self._fault(self._written(part), message, "name an anchor, as in '<<: *base'")
+                self._add_problem(self._written(part), message, "name an anchor, as in '<<: *base'")
 
     def _key(self, node: Node, span: Span) -> str:
         if not isinstance(node, ScalarNode):
             kind = "mapping" if isinstance(node, MappingNode) else "list"
-            self._fault(span, f"a key must be a string, found a {kind}", "check the brackets")
+            self._add_problem(span, f"a key must be a string, found a {kind}", "check the brackets")
             return f"\0{span}"
         if node.tag not in (_PLAIN, _UNTAGGED):
             tag = node.tag.replace("tag:yaml.org,2002:", "!!")
-            self._fault(span, f"tag '{tag}' is not allowed", "remove the tag")
+            self._add_problem(span, f"tag '{tag}' is not allowed", "remove the tag")
         elif node.tag == _PLAIN:
             known = len(self.problems)
             value = self._plain(node.value, span)
             if not isinstance(value, str) and len(self.problems) == known:
                 message = f"a key must be a string, found {_short(node.value) or 'nothing'}"
                 hint = f"write '{_short(node.value)}', in quotes" if node.value else "name the key"
-                self._fault(span, message, hint)
+                self._add_problem(span, message, hint)
             return str(node.value)
         return self._quoted(node.value, span)
 
@@ -292,7 +292,7 @@ class _Walk:
             if _LEADING_ZERO.match(text):
                 plain = re.sub(r"^([-+]?)0+(?=[0-9])", r"\1", text)
                 message = f"a number with a leading zero is ambiguous: {_short(text)}"
-                self._fault(span, message, f"write {_short(plain)} or '{_short(text)}'")
+                self._add_problem(span, message, f"write {_short(plain)} or '{_short(text)}'")
                 return 0
             value = float(text)
             if math.isfinite(value) and _INTEGER.fullmatch(text):
@@ -305,7 +305,9 @@ class _Walk:
         else:
             return text
         if not math.isfinite(value):
-            self._fault(span, f"not a finite number: {_short(text)}", "write an ordinary number")
+            self._add_problem(
+                span, f"not a finite number: {_short(text)}", "write an ordinary number"
+            )
             return 0
         return value
 
@@ -314,13 +316,13 @@ class _Walk:
         text = text.encode("utf-16", "surrogatepass").decode("utf-16", "surrogatepass")
         found = _FORBIDDEN.search(text)
         if found:
-            self._fault(span, f"control character {found[0]!r} in a string", "remove it")
+            self._add_problem(span, f"control character {found[0]!r} in a string", "remove it")
         return text
 
-    def _fault(self, span: Span, message: str, hint: str) -> None:
+    def _add_problem(self, span: Span, message: str, hint: str) -> None:
         self.problems.append(Problem(span, message, hint))
 
-    def syntax(self, error: MarkedYAMLError) -> Problem:
+    def syntax_problem(self, error: MarkedYAMLError) -> Problem:
         """Say what PyYAML found wrong, in our words where it has words of its own."""
         mark = error.problem_mark or error.context_mark
         found = error.problem or error.context or "not YAML"
@@ -388,7 +390,7 @@ def _control_characters(text: str, source: str) -> list[Problem]:
     first: dict[str, int] = {}
     for match in _FORBIDDEN.finditer(text):
         first.setdefault(match[0], match.start())
-        if len(first) == _MOST_CHARACTERS:
+        if len(first) == _MAX_CHARACTERS:
             break
     problems = []
     for character, index in first.items():

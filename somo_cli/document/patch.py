@@ -11,19 +11,19 @@ from typing import Any, TypeAlias
 from somo_cli.document.parse import Document, parse
 from somo_cli.document.text_edit import (
     Edit,
-    File,
+    EditRefused,
     Number,
-    Refusal,
+    SourceText,
+    aliases_of,
     edit_of,
-    sharing,
-    shown,
-    written,
+    json_number,
+    pointer_text,
 )
 from somo_cli.problems import LINE_BREAK, InvalidFile, Pointer, Problem
 
 _Numbers: TypeAlias = Mapping[Pointer, Number]
 
-_MARK = "\ufeff"
+_BYTE_ORDER_MARK = "\ufeff"
 _OTHERWISE = "the text around it would read differently"
 _BY_ALIAS = "by an alias or a merge key"
 _BY_FILE = "as its file is included more than once"
@@ -45,9 +45,9 @@ def patched(
     is not finite.
     """
     whole = document.texts[source]
-    text = whole.removeprefix(_MARK)
+    text = whole.removeprefix(_BYTE_ORDER_MARK)
     lines = (0, *(match.end() for match in LINE_BREAK.finditer(text)), len(text))
-    file = File(text, parse(text, source), lines)
+    file = SourceText(text, parse(text, source), lines)
     targets = {pointer: _targets(document, pointer, value) for pointer, value in values.items()}
     every = {target: number for each in targets.values() for target, number in each.items()}
     places: dict[Pointer, _Numbers] = {}
@@ -58,10 +58,10 @@ def patched(
             here = {_place(document, file, p, every): number for p, number in numbers.items()}
             edits[pointer] = [edit_of(file, p, number, after or {}) for p, number in here.items()]
             places[pointer] = here
-        except Refusal as refusal:
+        except EditRefused as refusal:
             refused[pointer] = str(refusal)
-    if not refused and not _holds(file, edits.values(), places.values()):
-        alone = [p for p in values if not _holds(file, [edits[p]], [places[p]])]
+    if not refused and not _reads_as_wanted(file, edits.values(), places.values()):
+        alone = [p for p in values if not _reads_as_wanted(file, [edits[p]], [places[p]])]
         refused = dict.fromkeys(alone or values, _OTHERWISE)
     if refused:
         problems = [_problem(document, p, values[p], reason) for p, reason in refused.items()]
@@ -75,7 +75,7 @@ def _targets(
     # Item by item, what stands between the items stays.
     numbers = tuple(map(float, value)) if isinstance(value, Sequence) else (float(value),)
     if not all(map(math.isfinite, numbers)):
-        raise ValueError(f"{shown(pointer)} cannot be {value}: not finite")
+        raise ValueError(f"{pointer_text(pointer)} cannot be {value}: not finite")
     if not isinstance(value, Sequence):
         return {pointer: numbers[0]}
     there = document.at(pointer) if pointer in document.spans else None
@@ -84,25 +84,25 @@ def _targets(
     return {pointer: numbers}
 
 
-def _place(document: Document, file: File, pointer: Pointer, every: _Numbers) -> Pointer:
+def _place(document: Document, file: SourceText, pointer: Pointer, every: _Numbers) -> Pointer:
     # The pointer from the root of the file, if nothing else would change with the value.
     known = pointer if pointer in document.spans else pointer[:-1]
     missing = pointer[len(known) :]
     if known not in document.spans or (missing and not isinstance(document.at(known), dict)):
-        raise Refusal(f"{shown(known)} is not a mapping that is there")
+        raise EditRefused(f"{pointer_text(known)} is not a mapping that is there")
     source = document.spans[known][1].source
     if source != file.part.source:
-        raise Refusal(f"it stands in '{source}'")
+        raise EditRefused(f"it stands in '{source}'")
     root = len(known)
     while root and document.spans[known[: root - 1]][1].source == source:
         root -= 1
     for part, start, way in ((file.part, root, _BY_ALIAS), (document, 0, _BY_FILE)):
-        for other in sharing(part, known[start:]):
+        for other in aliases_of(part, known[start:]):
             full = (*pointer[:start], *other, *missing)
             if every.get(full) != every[pointer]:
-                raise Refusal(f"it is shared with {shown(full)}, {way}")
+                raise EditRefused(f"it is shared with {pointer_text(full)}, {way}")
     if file.part.spans.get(known[root:], ())[1:] != document.spans[known][1:]:
-        raise Refusal(_OTHERWISE)
+        raise EditRefused(_OTHERWISE)
     return pointer[root:]
 
 
@@ -116,7 +116,9 @@ def _applied(text: str, edits: Iterable[list[Edit]]) -> str:
     return "".join((*pieces, text[end:]))
 
 
-def _holds(file: File, edits: Iterable[list[Edit]], places: Iterable[_Numbers]) -> bool:
+def _reads_as_wanted(
+    file: SourceText, edits: Iterable[list[Edit]], places: Iterable[_Numbers]
+) -> bool:
     # Whether the new text reads as the old one but for the numbers.
     try:
         found = parse(_applied(file.text, edits), file.part.source).data
@@ -129,7 +131,7 @@ def _holds(file: File, edits: Iterable[list[Edit]], places: Iterable[_Numbers]) 
             for step in ("", *place)[:-1]:
                 holder = holder[step]
             holder[("", *place)[-1]] = number
-    # In JSON 1, 1.0 and true are three things, which == does not tell apart.
+    # In JSON 1, 1.0 and true are three objects, which == does not tell apart.
     return json.dumps(found, sort_keys=True) == json.dumps(wanted[""], sort_keys=True)
 
 
@@ -138,6 +140,6 @@ def _problem(
 ) -> Problem:
     number = tuple(map(float, value)) if isinstance(value, Sequence) else float(value)
     message = f"this value cannot be set by itself: {reason}"
-    name = shown(pointer).strip("'").rpartition(".")[2]
-    hint = f"set {name}: {written(number)} by hand"
+    name = pointer_text(pointer).strip("'").rpartition(".")[2]
+    hint = f"set {name}: {json_number(number)} by hand"
     return Problem(document.span(pointer), message, hint)

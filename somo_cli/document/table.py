@@ -11,7 +11,7 @@ from itertools import dropwhile
 
 from somo_cli.problems import LINE_BREAK, InvalidFile, Problem, Span
 
-MOST_FAULTS = 20
+MAX_PROBLEMS = 20
 """The most faults of one file that are reported: what is wrong in one row is often so in all."""
 
 _CELL = re.compile(r'[ \t]*(?:"(?P<quoted>(?:[^"]|"")*)"[ \t]*(?=,|$)|(?P<plain>[^,]*))')
@@ -66,7 +66,7 @@ def read_table(text: str, source: str) -> Table:
     """Read a CSV: a header that names the columns, and rows of finite numbers under it.
 
     Blank lines, and lines that start with '#' above the header, are skipped. Raises InvalidFile
-    with the first MOST_FAULTS faults.
+    with the first MAX_PROBLEMS faults.
     """
     text = text.removeprefix("\ufeff")
     texts = {source: text}
@@ -75,21 +75,21 @@ def read_table(text: str, source: str) -> Table:
         raise InvalidFile([Problem(Span(source, 1, 1), "the file is empty")], texts)
     (top, header), rows = lines[0], lines[1:]
     names = tuple(cell.value for cell in _cells(header))
-    problems = _separated(header, Span(source, top, 1))
+    problems = _separator_problems(header, Span(source, top, 1))
     if not problems:
-        problems = _named(header, Span(source, top, 1))
+        problems = _name_problems(header, Span(source, top, 1))
         if not rows:
             message = "no row follows the header"
-            problems.append(Problem(_whole(header, Span(source, top, 1)), message))
-        problems.extend(_row_faults(rows, names, source, MOST_FAULTS - len(problems)))
+            problems.append(Problem(_line_span(header, Span(source, top, 1)), message))
+        problems.extend(_row_problems(rows, names, source, MAX_PROBLEMS - len(problems)))
     if problems:
-        raise InvalidFile(problems[:MOST_FAULTS], texts)
+        raise InvalidFile(problems[:MAX_PROBLEMS], texts)
     numbers = [[float(value) for value in _values(line)] for _, line in rows]
     columns = dict(zip(names, zip(*numbers, strict=True), strict=True))
     return Table(source, text, names, columns, tuple(number for number, _ in lines))
 
 
-def faults_of(
+def table_problems(
     table: Table,
     wanted: Sequence[str] = (),
     increasing: str | None = None,
@@ -103,7 +103,7 @@ def faults_of(
     """
     columns = dict.fromkeys([*wanted] if increasing is None else [*wanted, increasing])
     header = LINE_BREAK.split(table.text)[table.lines[0] - 1]
-    place = _whole(header, Span(table.source, table.lines[0], 1))
+    place = _line_span(header, Span(table.source, table.lines[0], 1))
     problems = [
         Problem(place, f"there is no column '{name}'", _nearest(name, table.names))
         for name in columns
@@ -118,15 +118,15 @@ def faults_of(
     return problems
 
 
-def require(
+def require_columns(
     table: Table,
     wanted: Sequence[str] = (),
     increasing: str | None = None,
     least: int = 0,
     why: str = "",
 ) -> None:
-    """Raise InvalidFile with all that `faults_of` finds, if it finds anything."""
-    problems = faults_of(table, wanted, increasing, least, why)
+    """Raise InvalidFile with all that `table_problems` finds, if it finds anything."""
+    problems = table_problems(table, wanted, increasing, least, why)
     if problems:
         raise InvalidFile(problems, table.texts)
 
@@ -163,7 +163,7 @@ def _values(line: str) -> list[str]:
     return [value.strip() for value in line.split(",")]
 
 
-def _separated(header: str, place: Span) -> list[Problem]:
+def _separator_problems(header: str, place: Span) -> list[Problem]:
     if "," in header:
         return []
     found = _OTHER_SEPARATOR.search(header.rstrip())
@@ -175,11 +175,11 @@ def _separated(header: str, place: Span) -> list[Problem]:
     return [Problem(span, message, "numbers have a point, as in 0.5,1.2")]
 
 
-def _named(header: str, place: Span) -> list[Problem]:
+def _name_problems(header: str, place: Span) -> list[Problem]:
     cells = _cells(header)
     if all(_NUMBER.fullmatch(cell.value) for cell in cells):
         hint = "name the columns in the first line that does not start with '#'"
-        return [Problem(_whole(header, place), "the columns have no names", hint)]
+        return [Problem(_line_span(header, place), "the columns have no names", hint)]
     problems = []
     first: dict[str, int] = {}
     for cell in cells:
@@ -194,7 +194,7 @@ def _named(header: str, place: Span) -> list[Problem]:
     return problems
 
 
-def _row_faults(
+def _row_problems(
     rows: Sequence[tuple[int, str]], names: Sequence[str], source: str, most: int
 ) -> list[Problem]:
     problems: list[Problem] = []
@@ -207,13 +207,13 @@ def _row_faults(
         found = len(_values(line))
         if found != wanted:
             message = f"{_count(found, 'cell')}, but the header names {_count(wanted, 'column')}"
-            problems.append(Problem(_whole(line, place), message, hint))
+            problems.append(Problem(_line_span(line, place), message, hint))
         else:
-            problems.extend(_cell_faults(line, place))
+            problems.extend(_cell_problems(line, place))
     return problems[: max(0, most)]
 
 
-def _cell_faults(line: str, place: Span) -> Iterator[Problem]:
+def _cell_problems(line: str, place: Span) -> Iterator[Problem]:
     if all(map(_is_number, _values(line))):
         return
     for cell in _cells(line):
@@ -244,7 +244,7 @@ def _not_increasing(table: Table, name: str) -> Iterator[Problem]:
         yield Problem(table.cell_span(first, name), message + more, hint)
 
 
-def _whole(line: str, place: Span) -> Span:
+def _line_span(line: str, place: Span) -> Span:
     column = len(line) - len(line.lstrip()) + 1
     return Span(place.source, place.line, column, len(line.strip()))
 

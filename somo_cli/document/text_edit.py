@@ -24,7 +24,7 @@ _ITEM = re.compile(r"-(?:\s|$)")
 _LINE_IS_OVER = re.compile(r"[ \t]*,?[ \t]*[\r\n]")
 
 
-class Refusal(Exception):
+class EditRefused(Exception):
     """Why one value cannot be set."""
 
 
@@ -39,7 +39,7 @@ class Edit:
 
 
 @dataclass(frozen=True, slots=True)
-class File:
+class SourceText:
     """The text of one source, what it reads as by itself, and where its lines start and it ends."""
 
     text: str
@@ -56,48 +56,48 @@ class File:
         return [each for each in self.part.spans if each[: len(pointer)] == pointer]
 
 
-def edit_of(file: File, place: Pointer, number: Number, after: Mapping[str, str]) -> Edit:
+def edit_of(file: SourceText, place: Pointer, number: Number, after: Mapping[str, str]) -> Edit:
     """Return how the text changes so that the value at a place of the file is the number.
 
-    `after` says behind which sibling a new key goes. Raises Refusal.
+    `after` says behind which sibling a new key goes. Raises EditRefused.
     """
     if place not in file.part.spans:
         return _addition(file, place, number, after)
     there, start = file.part.at(place), file.start(place)
     if isinstance(there, dict):
-        raise Refusal("a mapping is written there")
+        raise EditRefused("a mapping is written there")
     if isinstance(there, list):
         brackets = _PLAIN_LIST.match(file.text, start)
         if not brackets or not isinstance(number, tuple):
-            raise Refusal(f"a list of {len(there)} is written there")
-        return Edit(start, brackets.end(), written(number))
+            raise EditRefused(f"a list of {len(there)} is written there")
+        return Edit(start, brackets.end(), json_number(number))
     stop = _end(file, place)
     if _is_empty(file, place):
         if file.text[stop - 1] != ":":
-            raise Refusal("its key has no ':'")
-        return Edit(stop, stop, f" {written(number)}")
+            raise EditRefused("its key has no ':'")
+        return Edit(stop, stop, f" {json_number(number)}")
     try:
         on_one_line = parse(file.text[start:stop], file.part.source).data == there
     except InvalidFile:
         on_one_line = False
     if not on_one_line:
-        raise Refusal("it is not written on one line")
-    return Edit(start, stop, written(number))
+        raise EditRefused("it is not written on one line")
+    return Edit(start, stop, json_number(number))
 
 
-def _is_empty(file: File, place: Pointer) -> bool:
+def _is_empty(file: SourceText, place: Pointer) -> bool:
     key, span = file.part.spans[place]
     return place[-1:] != () and isinstance(place[-1], str) and key == span
 
 
-def _end(file: File, place: Pointer) -> int:
+def _end(file: SourceText, place: Pointer) -> int:
     # Where a scalar on one line ends, or the colon before one that is empty.
     stop = file.start(place) + file.part.span(place).width
     colon = _COLON.match(file.text, stop) if _is_empty(file, place) else None
     return colon.end() if colon else stop
 
 
-def _addition(file: File, place: Pointer, number: Number, after: Mapping[str, str]) -> Edit:
+def _addition(file: SourceText, place: Pointer, number: Number, after: Mapping[str, str]) -> Edit:
     holder, name = place[:-1], str(place[-1])
     mapping: Any = file.part.at(holder)
     opening = file.start(holder)
@@ -105,29 +105,29 @@ def _addition(file: File, place: Pointer, number: Number, after: Mapping[str, st
     # What came by a merge key is written above.
     keys = {key: start for key, start in keys.items() if start >= opening}
     if not keys and not _BRACES.match(file.text, opening):
-        raise Refusal("no key of its mapping is written there")
-    for heir in (heir for key in keys for heir in _heirs(file.part, holder, key)):
+        raise EditRefused("no key of its mapping is written there")
+    for heir in (heir for key in keys for heir in _merging_mappings(file.part, holder, key)):
         if (*heir, name) not in file.part.spans:
-            raise Refusal(f"its mapping is merged into {shown(heir)}")
+            raise EditRefused(f"its mapping is merged into {pointer_text(heir)}")
     last = max(keys, key=keys.__getitem__, default="")
     sibling = after[name] if after.get(name) in keys else last
     like = keys.get(sibling, file.start(holder, key=True))
     plain = _PLAIN_KEY.fullmatch(name) and file.text[like] not in "\"'"
-    entry = f"{name if plain else json.dumps(name, ensure_ascii=False)}: {written(number)}"
+    entry = f"{name if plain else json.dumps(name, ensure_ascii=False)}: {json_number(number)}"
     if not keys:
         return Edit(opening + 1, opening + 1, entry, adds=True)
     in_flow = file.text[opening] == "{" if holder else _ROOT_BRACE.match(file.text)
-    return (_beside if in_flow else _below)(file, (*holder, sibling), entry)
+    return (_after_in_flow if in_flow else _after_in_block)(file, (*holder, sibling), entry)
 
 
-def _heirs(part: Document, holder: Pointer, key: str) -> list[Pointer]:
+def _merging_mappings(part: Document, holder: Pointer, key: str) -> list[Pointer]:
     # The other mappings that have the key from this one, but are not the same by an alias.
     place = (*holder, key)
-    found = [p[:-1] for p in sharing(part, place) if part.spans[p] == part.spans[place]]
+    found = [p[:-1] for p in aliases_of(part, place) if part.spans[p] == part.spans[place]]
     return [heir for heir in found if part.spans[heir][1] != part.spans[holder][1]]
 
 
-def _below(file: File, sibling: Pointer, entry: str) -> Edit:
+def _after_in_block(file: SourceText, sibling: Pointer, entry: str) -> Edit:
     # A line of its own, under the last one that belongs to the sibling.
     key = file.part.span(sibling, key=True)
     indent = key.column - 1
@@ -149,24 +149,24 @@ def _below(file: File, sibling: Pointer, entry: str) -> Edit:
     return Edit(file.lines[last], file.lines[last], new, adds=True)
 
 
-def _line_break(file: File, pointer: Pointer) -> str:
+def _line_break(file: SourceText, pointer: Pointer) -> str:
     found = LINE_BREAK.search(file.text, file.start(pointer, key=True))
     found = found or LINE_BREAK.search(file.text)
     return found[0] if found else "\n"
 
 
-def _beside(file: File, sibling: Pointer, entry: str) -> Edit:
+def _after_in_flow(file: SourceText, sibling: Pointer, entry: str) -> Edit:
     # Behind the value of the sibling; on a line of its own if the sibling has one.
     key = file.start(sibling, key=True)
     last = max(file.inside(sibling), key=file.start)
     if file.start(last) < key:
-        raise Refusal("it would follow an alias")
+        raise EditRefused("it would follow an alias")
     is_collection = isinstance(file.part.at(last), dict | list)
     stop = file.start(last) + 1 if is_collection else _end(file, last)
     for _ in range(len(last) - len(sibling) + is_collection):
         closer = _CLOSER.match(file.text, stop)
         if not closer:
-            raise Refusal("it would follow an alias")
+            raise EditRefused("it would follow an alias")
         stop = closer.end()
     margin = file.text[file.lines[file.part.span(sibling, key=True).line - 1] : key]
     own_line = not margin.strip() and _LINE_IS_OVER.match(file.text, stop)
@@ -174,7 +174,7 @@ def _beside(file: File, sibling: Pointer, entry: str) -> Edit:
     return Edit(stop, stop, f",{between}{entry}", adds=True)
 
 
-def sharing(document: Document, pointer: Pointer) -> list[Pointer]:
+def aliases_of(document: Document, pointer: Pointer) -> list[Pointer]:
     """Return the pointers to other values that are written where this one is."""
     # A collection may start where its first key does, and is no other value for that.
     pair = document.spans.get(pointer)
@@ -182,12 +182,12 @@ def sharing(document: Document, pointer: Pointer) -> list[Pointer]:
     return [p for p in others if p[: len(pointer)] != pointer and pointer[: len(p)] != p]
 
 
-def shown(pointer: Pointer) -> str:
+def pointer_text(pointer: Pointer) -> str:
     """Return a pointer as a person writes it."""
     steps = (f"[{step}]" if isinstance(step, int) else f".{step}" for step in pointer)
     return "'" + "".join(steps).removeprefix(".") + "'" if pointer else "the file"
 
 
-def written(number: Number) -> str:
+def json_number(number: Number) -> str:
     """Return a number as JSON, which our YAML reads as the same float."""
     return json.dumps(number)

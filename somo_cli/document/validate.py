@@ -51,7 +51,7 @@ _COUNTS = {
     "maxLength": ("at most", "character"),
 }
 
-LARGEST = 1e20  # number, in whatever unit
+MAX_NUMBER = 1e20  # number, in whatever unit
 
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 
@@ -71,7 +71,7 @@ def load_schema(name: str) -> Mapping[str, object]:
 
 
 @dataclass(frozen=True, slots=True)
-class Fault:
+class SchemaProblem:
     """A problem of shape, and the pointer it is about; that of a missing key leads to nothing."""
 
     pointer: Pointer
@@ -84,14 +84,14 @@ def problems_in(document: Document, schema_name: str) -> tuple[Problem, ...]:
     A schema may put "x-message" and "x-hint" beside a keyword to say it in its own words;
     "{value}" in them stands for the value, "{found}" for the value and its kind.
     """
-    faults = faults_of_shape(document, schema_name)
+    faults = schema_problems(document, schema_name)
     return in_reading_order((fault.problem for fault in faults), document.texts)
 
 
-def faults_of_shape(document: Document, schema_name: str) -> tuple[Fault, ...]:
+def schema_problems(document: Document, schema_name: str) -> tuple[SchemaProblem, ...]:
     """Judge the shape of a document as `problems_in` does, and keep what each fault is about."""
     errors = list(_validator(schema_name).iter_errors(document.data))
-    faults = dict.fromkeys(_Judge(document, schema_name).faults(errors))
+    faults = dict.fromkeys(_ErrorTranslator(document, schema_name).faults(errors))
     flawed = {fault.pointer for fault in faults}
     extremes = _extremes(document, document.data)
     faults |= dict.fromkeys(fault for fault in extremes if fault.pointer not in flawed)
@@ -100,15 +100,15 @@ def faults_of_shape(document: Document, schema_name: str) -> tuple[Fault, ...]:
     return tuple(sorted(faults, key=lambda fault: rank[fault.problem]))
 
 
-def soundness(
-    faults: Iterable[Fault], missing: Iterable[Pointer] = ()
+def soundness_test(
+    faults: Iterable[SchemaProblem], missing: Iterable[Pointer] = ()
 ) -> Callable[[Pointer], bool]:
     """Return a test of whether nothing is at fault or missing at a pointer or below it."""
     unsound = _prefixes([*(fault.pointer for fault in faults), *missing])
     return lambda pointer: pointer not in unsound
 
 
-def _extremes(document: Document, value: object, pointer: Pointer = ()) -> Iterator[Fault]:
+def _extremes(document: Document, value: object, pointer: Pointer = ()) -> Iterator[SchemaProblem]:
     # Numbers whose powers leave the range of floats.
     if isinstance(value, dict):
         for key, part in value.items():
@@ -116,20 +116,20 @@ def _extremes(document: Document, value: object, pointer: Pointer = ()) -> Itera
     elif isinstance(value, list):
         for index, part in enumerate(value):
             yield from _extremes(document, part, (*pointer, index))
-    elif isinstance(value, int | float) and abs(value) > LARGEST:
-        hint = f"no number may be larger than {LARGEST:g}"
+    elif isinstance(value, int | float) and abs(value) > MAX_NUMBER:
+        hint = f"no number may be larger than {MAX_NUMBER:g}"
         problem = Problem(document.span(pointer), f"{_show(value)} is too large", hint)
-        yield Fault(pointer, problem)
+        yield SchemaProblem(pointer, problem)
 
 
-class _Judge:
+class _ErrorTranslator:
     """Turns the errors of jsonschema into faults of one document."""
 
     def __init__(self, document: Document, schema_name: str) -> None:
         self._document = document
         self._schema_name = schema_name
 
-    def faults(self, errors: Sequence[ValidationError]) -> Iterator[Fault]:
+    def faults(self, errors: Sequence[ValidationError]) -> Iterator[SchemaProblem]:
         """Say each error in our words, without those that only follow from another."""
         # A value of the wrong type breaks the other rules beside it as well.
         mistyped = {_place(error) for error in errors if error.validator == "type"}
@@ -141,9 +141,9 @@ class _Judge:
         )
         for error in _strictest(errors):
             if error.validator == "type" or _place(error) not in mistyped:
-                yield from self._judged(error, tuple(error.absolute_path) not in unsound)
+                yield from self._translated(error, tuple(error.absolute_path) not in unsound)
 
-    def _judged(self, error: ValidationError, is_sound: bool) -> Iterator[Fault]:
+    def _translated(self, error: ValidationError, is_sound: bool) -> Iterator[SchemaProblem]:
         schema = error.schema if isinstance(error.schema, Mapping) else {}
         for pointer, at_key, message, hint in self._findings(error, is_sound):
             if "x-message" in schema:
@@ -151,7 +151,7 @@ class _Judge:
             if "x-hint" in schema:
                 hint = _filled(schema["x-hint"], error.instance)
             span = self._document.span(pointer, at_key)
-            yield Fault(pointer, Problem(span, message, hint))
+            yield SchemaProblem(pointer, Problem(span, message, hint))
 
     def _findings(self, error: ValidationError, is_sound: bool) -> Iterator[_Finding]:
         keyword = str(error.validator)
@@ -172,35 +172,40 @@ class _Judge:
             for name in rule:
                 if name not in value and name not in misspelt:
                     place = (*pointer, name)
-                    yield place, False, f"missing key '{name}'", self._about(place)
+                    yield place, False, f"missing key '{name}'", self._description(place)
         elif keyword == "dependentRequired":
             for name, needed in rule.items():
                 for other in needed if name in value else ():
                     if other not in value:
                         message = f"'{name}' needs a key '{other}' beside it"
-                        yield (*pointer, name), True, message, self._about((*pointer, other))
+                        yield (*pointer, name), True, message, self._description((*pointer, other))
         elif keyword == "type":
             kinds = [rule] if isinstance(rule, str) else rule
-            message = f"expected {_either(kinds)}, found {_found(value)}"
-            yield pointer, at_key, message, _retyped(value, kinds) or self._about(pointer)
+            message = f"expected {_either(kinds)}, found {_value_and_kind(value)}"
+            yield pointer, at_key, message, _type_hint(value, kinds) or self._description(pointer)
         elif keyword in ("enum", "const"):
             choices = rule if keyword == "enum" else [rule]
             one_of = "one of " if len(choices) > 1 else ""
             message = f"{shown} is not {one_of}{', '.join(_show(choice) for choice in choices)}"
             names = [choice for choice in choices if isinstance(choice, str)]
-            yield pointer, at_key, message, _nearest(value, names, 0.7) or self._about(pointer)
+            yield (
+                pointer,
+                at_key,
+                message,
+                _nearest(value, names, 0.7) or self._description(pointer),
+            )
         elif keyword in _BOUNDS:
             message = f"{shown} must be {_BOUNDS[keyword]} {_show(rule)}"
-            yield pointer, at_key, message, self._about(pointer)
+            yield pointer, at_key, message, self._description(pointer)
         elif keyword in _COUNTS:
-            message = _miscounted(keyword, rule, value, schema)
-            yield pointer, at_key, message, self._about(pointer)
+            message = _count_message(keyword, rule, value, schema)
+            yield pointer, at_key, message, self._description(pointer)
         elif keyword == "items" and rule is False:
             room = _plural(len(schema.get("prefixItems", ())), "value")
             message = f"expected at most {room}, found {len(value)}"
-            yield pointer, at_key, message, self._about(pointer)
+            yield pointer, at_key, message, self._description(pointer)
         elif keyword == "pattern":
-            hint = _sentence(schema.get("description", "")) or self._about(pointer)
+            hint = _sentence(schema.get("description", "")) or self._description(pointer)
             yield pointer, at_key, f"{shown} does not have the right form", hint or f"form: {rule}"
         elif keyword == "uniqueItems":
             yield pointer, at_key, "the same value stands in the list twice", "remove one of them"
@@ -210,7 +215,12 @@ class _Judge:
             # Not a schema of false: jsonschema 4.26 does not say where that one stands.
             yield pointer, True, f"key '{pointer[-1]}' does not belong here", ""
         else:
-            yield pointer, at_key, f"{_found(value)} does not belong here", self._about(pointer)
+            yield (
+                pointer,
+                at_key,
+                f"{_value_and_kind(value)} does not belong here",
+                self._description(pointer),
+            )
 
     def _unknown(
         self, pointer: Pointer, unknown: Iterable[str], known: Sequence[str]
@@ -236,7 +246,7 @@ class _Judge:
         branches: dict[object, list[ValidationError]] = {}
         for child in error.context or ():
             branches.setdefault(child.schema_path[0], []).append(child)
-        found = _found(error.instance)
+        found = _value_and_kind(error.instance)
         # The branch that was meant is the one the value is of the right kind for.
         meant = [b for b in branches.values() if not any(_is_other_kind(child) for child in b)]
         kinds: list[str] = []
@@ -256,12 +266,12 @@ class _Judge:
             hint = _sentence(schema.get("description", ""))
             yield pointer, False, f"{found} fits none of the allowed forms", hint
 
-    def _about(self, pointer: Pointer) -> str:
+    def _description(self, pointer: Pointer) -> str:
         # What the schema says of a value, else of the list it is in; of a file it says too much.
         for view in self._views(pointer) if pointer else ():
             if "description" in view:
                 return _sentence(view["description"])
-        return self._about(pointer[:-1]) if pointer and isinstance(pointer[-1], int) else ""
+        return self._description(pointer[:-1]) if pointer and isinstance(pointer[-1], int) else ""
 
     def _misspelt(self, pointer: Pointer, value: Mapping[str, object]) -> set[str]:
         # The keys that the unknown keys of a mapping were probably meant to be.
@@ -397,10 +407,10 @@ def _show(value: object) -> str:
 
 
 def _filled(template: str, value: object) -> str:
-    return template.replace("{value}", _show(value)).replace("{found}", _found(value))
+    return template.replace("{value}", _show(value)).replace("{found}", _value_and_kind(value))
 
 
-def _found(value: object) -> str:
+def _value_and_kind(value: object) -> str:
     if isinstance(value, str):
         return f"the string {_show(value)}"
     if isinstance(value, dict):
@@ -415,7 +425,7 @@ def _either(kinds: Sequence[str]) -> str:
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} or {names[-1]}"
 
 
-def _retyped(value: object, kinds: Sequence[str]) -> str:
+def _type_hint(value: object, kinds: Sequence[str]) -> str:
     # What was probably meant by a value of the wrong type.
     if "boolean" in kinds and isinstance(value, str):
         return "write true or false"
@@ -430,7 +440,7 @@ def _retyped(value: object, kinds: Sequence[str]) -> str:
     return ""
 
 
-def _miscounted(keyword: str, rule: int, value: Any, schema: Schema) -> str:
+def _count_message(keyword: str, rule: int, value: Any, schema: Schema) -> str:
     bound, thing = _COUNTS[keyword]
     exact = schema.get("min" + keyword[3:]) == schema.get("max" + keyword[3:])
     bound = "" if exact else bound + " "

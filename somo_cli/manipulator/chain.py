@@ -30,7 +30,7 @@ from somo_cli.manipulator.dimensions import (
     Torque,
 )
 from somo_cli.manipulator.geometry import Vector
-from somo_cli.manipulator.placement import spread
+from somo_cli.manipulator.joint_placement import scaled_to_share
 from somo_cli.manipulator.solids import AnySolid, Box, Cylinder, Inertial, Solid, Sphere
 
 
@@ -144,7 +144,7 @@ class Chain:
 
 
 @dataclass(slots=True)
-class _Body:
+class _LinkBuilder:
     """A link in the making; positions are in the root's frame with all joints at zero."""
 
     name: str
@@ -167,13 +167,13 @@ class _Body:
 def build(definition: Definition) -> Chain:
     """Return the chain of a definition without limbs; never fails for one without faults."""
     assert not definition.limbs
-    bodies = [_Body("base", geometry.ZERO)]
+    bodies = [_LinkBuilder("base", geometry.ZERO)]
     joints: list[Joint] = []
     end = 0.0
     if definition.base is not None:
         end = _add_rounded_end(bodies[0], definition.base, end, at_base=True)
         if not definition.actuators:  # the body of an assembly, both of whose ends are free
-            _round(bodies[0], definition.base, bodies[0].shapes[0].position, at_base=False)
+            _add_end_cap(bodies[0], definition.base, bodies[0].shapes[0].position, at_base=False)
     for index, actuator in enumerate(definition.actuators):
         end = _add_actuator(bodies, joints, actuator, index, end)
     for tip in definition.tips:
@@ -188,7 +188,7 @@ def build(definition: Definition) -> Chain:
 
 
 def _add_actuator(
-    bodies: list[_Body],
+    bodies: list[_LinkBuilder],
     joints: list[Joint],
     actuator: ActuatorDefinition,
     index: int,
@@ -198,9 +198,9 @@ def _add_actuator(
     digits = max(2, len(str(actuator.n_segments)))
     for segment, fraction in enumerate(actuator.fractions):
         if segment > 0:
-            joint = spread(actuator.joints[segment - 1], actuator.shares[segment - 1])
+            joint = scaled_to_share(actuator.joints[segment - 1], actuator.shares[segment - 1])
             hinge = (joint.offset[0], joint.offset[1], joint.offset[2] + end)
-            bodies[-1].shapes.extend(_rounding(link, joint, hinge, bodies[-1].origin))
+            bodies[-1].shapes.extend(_gap_filler(link, joint, hinge, bodies[-1].origin))
             if joint.joint_type != "fixed":
                 place = f"{segment:0{digits}d}"
                 joints.append(
@@ -214,7 +214,7 @@ def _add_actuator(
                         actuator.spans[segment - 1],
                     )
                 )
-                bodies.append(_Body(f"actuator_{index}_segment_{place}", hinge))
+                bodies.append(_LinkBuilder(f"actuator_{index}_segment_{place}", hinge))
         solid = solids.part(link.solid, fraction)
         bodies[-1].add(link, solid, _inertial(link, fraction), end)
         end += solids.height(solid)
@@ -256,7 +256,7 @@ def _hinge(
     )
 
 
-def _rounding(
+def _gap_filler(
     link: LinkDefinition, joint: JointDefinition, hinge: Vector, origin: Vector
 ) -> list[Shape]:
     """Return the shape that fills the gap a bending hinge opens, centred on the hinge.
@@ -273,12 +273,12 @@ def _rounding(
         return [Shape(ball, at, geometry.ZERO, link.material, link.visual_factor)]
     if link.shape_type == "stadium" and isinstance(link.solid, Box):
         along = (joint.axis[0] / across, joint.axis[1] / across)
-        roll, rpy = _roll(link.solid, along)
+        roll, rpy = _inscribed_cylinder(link.solid, along)
         return [Shape(roll, at, rpy, link.material, link.visual_factor)]
     return []
 
 
-def _roll(box: Box, along: tuple[float, float]) -> tuple[Cylinder, Vector]:
+def _inscribed_cylinder(box: Box, along: tuple[float, float]) -> tuple[Cylinder, Vector]:
     """Return a cylinder along a direction of the cross-section that fits into the box.
 
     Along x or y it fills the box. Askew, its length and width are in the ratio of the chords
@@ -293,14 +293,16 @@ def _roll(box: Box, along: tuple[float, float]) -> tuple[Cylinder, Vector]:
     return Cylinder(length, width / 2), (0.0, math.pi / 2, math.atan2(along[1], along[0]))
 
 
-def _add_rounded_end(body: _Body, part: LinkDefinition, start: float, at_base: bool) -> float:
+def _add_rounded_end(
+    body: _LinkBuilder, part: LinkDefinition, start: float, at_base: bool
+) -> float:
     """Add a base or tip; without a hinge to round, a stadium or capsule has its free end round."""
     body.add(part, part.solid, _inertial(part), start)
-    _round(body, part, body.shapes[-1].position, at_base)
+    _add_end_cap(body, part, body.shapes[-1].position, at_base)
     return start + part.height
 
 
-def _round(body: _Body, part: LinkDefinition, centre: Vector, at_base: bool) -> None:
+def _add_end_cap(body: _LinkBuilder, part: LinkDefinition, centre: Vector, at_base: bool) -> None:
     """Add what rounds an end of a part whose solid is centred there; others get nothing."""
     if part.shape_type not in ("stadium", "capsule"):
         return

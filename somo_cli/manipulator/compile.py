@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from somo_cli.document.include import unread
+from somo_cli.document.include import unresolved_references
 from somo_cli.document.parse import Document
-from somo_cli.document.validate import faults_of_shape, soundness
-from somo_cli.manipulator import assembly, assembly_meaning, tree, urdf
+from somo_cli.document.validate import schema_problems, soundness_test
+from somo_cli.manipulator import assembly, assembly_chain, assembly_checks, urdf
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.definition import Definition
 from somo_cli.manipulator.dimensions import Scale, scaled
@@ -21,7 +21,7 @@ _PLACES: tuple[tuple[str, ...], ...] = (
     ("tip_definition",),
     ("tip_definitions", "*"),
 )
-PLACES_OF_FILES: tuple[tuple[str, ...], ...] = (
+FILE_POINTERS: tuple[tuple[str, ...], ...] = (
     *_PLACES,
     ("body_definition",),
     ("limbs", "*", "definition"),
@@ -58,15 +58,15 @@ class Compiled:
         )
 
 
-def faults(document: Document) -> tuple[Problem, ...]:
+def document_problems(document: Document) -> tuple[Problem, ...]:
     """Return every error and warning about a definition or an assembly, of shape and of meaning."""
     schema = "assembly" if assembly.is_assembly(document.data) else "manipulator"
-    shape = faults_of_shape(document, schema)
-    is_sound = soundness(shape, unread(document, PLACES_OF_FILES))
-    strangers = assembly_meaning.strangers(document, ())
-    problems = [fault.problem for fault in shape if fault.pointer[:3] not in strangers]
-    problems.extend(strangers.values())
-    problems.extend(assembly_meaning.faults(document, (), is_sound))
+    shape = schema_problems(document, schema)
+    is_sound = soundness_test(shape, unresolved_references(document, FILE_POINTERS))
+    wrong_kinds = assembly_checks.wrong_file_kinds(document, ())
+    problems = [fault.problem for fault in shape if fault.pointer[:3] not in wrong_kinds]
+    problems.extend(wrong_kinds.values())
+    problems.extend(assembly_checks.assembly_problems(document, (), is_sound))
     return in_reading_order(problems, document.texts)
 
 
@@ -74,12 +74,12 @@ def compile_sound(document: Document, at: Pointer, warnings: tuple[Problem, ...]
     """Compile the definition at a pointer, in which no error was found."""
     definition = assembly.read(document, at)
     scale = assembly.world_scale(document, at)
-    return Compiled(definition, tree.build(definition), scale, warnings)
+    return Compiled(definition, assembly_chain.build(definition), scale, warnings)
 
 
 def compile_definition(document: Document) -> Compiled:
     """Compile a definition; raise InvalidFile with all its faults if one is an error."""
-    problems = faults(document)
+    problems = document_problems(document)
     if has_errors(problems):
         raise InvalidFile(problems, document.texts)
     return compile_sound(document, (), problems)

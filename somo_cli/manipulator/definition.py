@@ -63,7 +63,7 @@ class LinkDefinition:
 
     @property
     def height(self) -> float:
-        """Extent along the backbone."""
+        """BoundingBox along the backbone."""
         return solids.height(self.solid)
 
 

@@ -1,4 +1,4 @@
-"""Quantities with their dimension (Length, Stiffness, ...), Scale, and `scaled(thing, scale)`.
+"""Quantities with their dimension (Length, Stiffness, ...), Scale, and `scaled(quantities, scale)`.
 
 A quantity is a float whose annotation carries its dimension. `scaled` reads the annotations of
 a frozen dataclass, recursively, so that a new field cannot be forgotten: a bare `float` is
@@ -70,17 +70,17 @@ class Scale:
         return f"{self.length:g}{of_mass}"
 
 
-Thing = TypeVar("Thing")
+Quantities = TypeVar("Quantities")
 _Scaler = Callable[[Any, Scale], Any]
 
 
-def scaled(thing: Thing, scale: Scale) -> Thing:
-    """Return `thing`, a dataclass in SI, with every quantity in the units of `scale`.
+def scaled(quantities: Quantities, scale: Scale) -> Quantities:
+    """Return `quantities`, a dataclass in SI, with every quantity in the units of `scale`.
 
     Raises TypeError for a field annotated with a bare float: its dimension is unknown.
     """
-    kind: Any = type(thing)
-    return typing.cast(Thing, _scaler(kind)(thing, scale))
+    kind: Any = type(quantities)
+    return typing.cast(Quantities, _scaler(kind)(quantities, scale))
 
 
 @cache

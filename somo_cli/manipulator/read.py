@@ -1,4 +1,4 @@
-"""Document to Definition; total, once the schema and `meaning.faults` have found no error."""
+"""Document to Definition; total, once the schema and `meaning.definition_problems` have found no error."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from somo_cli.document.parse import Document
-from somo_cli.manipulator import geometry, placement
+from somo_cli.manipulator import geometry, joint_placement
 from somo_cli.manipulator.definition import (
     ActuatorDefinition,
     Definition,
@@ -86,7 +86,7 @@ def _actuator(data: Mapping[str, Any]) -> ActuatorDefinition:
     count = int(data["n_segments"])
     is_alternating = int(data.get("planar_flag", 1 if len(definitions) == 1 else 0)) == 0
     turns = [index % len(definitions) for index in range(count)]
-    return placement.placed(
+    return joint_placement.actuator_of(
         link,
         data.get("joint_placement", "uniform"),
         tuple(definitions[turn] for turn in turns),

@@ -73,7 +73,7 @@ class Camera:
         rays: Array = right * x.astype(np.float32) + up * y.astype(np.float32)[:, None] + forward
         return rays.reshape(3, -1)
 
-    def seen(self, points: Array) -> Array:
+    def project(self, points: Array) -> Array:
         """Return points of the world, shape (..., 3), as right, up [-1 to 1] and distance [m]."""
         own = (points - self.eye) @ self.axes.T
         depth = own[..., 2]

@@ -9,60 +9,67 @@ import numpy as np
 
 from somo_cli.picture import shading, shadows
 from somo_cli.picture.camera import View, framing, radius_of
+from somo_cli.picture.drawn_parts import Part, framed_points, parts_of, poses_at
 from somo_cli.picture.facets import Array
-from somo_cli.picture.recording import Recording
+from somo_cli.picture.recorded_motion import RecordedMotion
 from somo_cli.picture.shading import Ground, Shading, smoothed
-from somo_cli.picture.stage import Part, framed_points, parts_of, poses_at
 from somo_cli.picture.tiny_renderer import TinyRenderer
-from somo_cli.simulation.scene import Scene
+from somo_cli.scene.model import Scene
 
 SMOOTHING = 2  # pixels across, of which one of the picture is made
 MOST_FRAMED = 400  # moments, evenly over all, that the camera is to have in sight
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
+class PictureSettings:
     """From where pictures are taken, and their size: width and height in pixels."""
 
     view: View
     size: tuple[int, int]
 
 
-def pictures(recording: Recording, times: Sequence[float], look: Look) -> Iterator[Array]:
+def pictures(
+    motion: RecordedMotion, times: Sequence[float], settings: PictureSettings
+) -> Iterator[Array]:
     """Yield a picture for each time [s], shape (height, width, 3), bytes.
 
     All that moves is framed at all these times. Raises EngineMissing.
     """
-    scene = recording.scene
+    scene = motion.scene
     parts = parts_of(scene)
-    points = _points(recording, parts, times)
-    camera = framing(points, look.view, look.size)
+    points = _framed_points_over_time(motion, parts, times)
+    camera = framing(points, settings.view, settings.size)
     radius = radius_of(points)
-    size = (look.size[0] * SMOOTHING, look.size[1] * SMOOTHING)
+    size = (settings.size[0] * SMOOTHING, settings.size[1] * SMOOTHING)
     shader = Shading(camera, size, parts, _ground(scene, points, radius))
     light = shader.direction
     with TinyRenderer(parts, radius) as renderer:
         for time in times:
-            poses = poses_at(scene, parts, recording.at(time))
+            poses = poses_at(scene, parts, motion.at(time))
             renderer.place(poses)
             lamp = shadows.lamp(framed_points(parts, poses), light)
-            seen_by_lamp = renderer.look(lamp.camera, (shadows.MAP, shadows.MAP), light)
-            raster = renderer.look(camera, size, light)
+            seen_by_lamp = renderer.render(lamp.camera, (shadows.MAP, shadows.MAP), light)
+            raster = renderer.render(camera, size, light)
             yield smoothed(shader.picture(raster, lamp, seen_by_lamp), SMOOTHING)
 
 
-def square_of(recording: Recording, times: Sequence[float]) -> float | None:
+def tile_edge(motion: RecordedMotion, times: Sequence[float]) -> float | None:
     """Return the edge of the squares that the ground of such pictures has [m]; None without one."""
-    if recording.scene.ground is None:
+    if motion.scene.ground is None:
         return None
-    parts = parts_of(recording.scene)
-    return shading.square_of(radius_of(_points(recording, parts, times)))
+    parts = parts_of(motion.scene)
+    return shading.tile_edge(radius_of(_framed_points_over_time(motion, parts, times)))
 
 
-def _points(recording: Recording, parts: Sequence[Part], times: Sequence[float]) -> Array:
-    moments = (recording.at(time) for time in _evenly(times))
+def _framed_points_over_time(
+    motion: RecordedMotion, parts: Sequence[Part], times: Sequence[float]
+) -> Array:
+    moments = (motion.at(time) for time in _evenly(times))
     return np.concatenate(
-        [framed_points(parts, poses_at(recording.scene, parts, moment)) for moment in moments]
+        [
+            framed_points(parts, poses_at(motion.scene, parts, configuration))
+            for configuration in moments
+        ]
     )
 
 
@@ -77,4 +84,4 @@ def _ground(scene: Scene, points: Array, radius: float) -> Ground | None:
     if scene.ground is None:
         return None
     x, y, _ = 0.5 * (points.min(axis=0) + points.max(axis=0))
-    return Ground(scene.ground.height, shading.square_of(radius), (float(x), float(y)), radius)
+    return Ground(scene.ground.height, shading.tile_edge(radius), (float(x), float(y)), radius)

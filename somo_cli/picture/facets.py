@@ -14,8 +14,8 @@ from somo_cli.manipulator.solids import AnySolid, Box, Cylinder, Sphere
 
 Array: TypeAlias = NDArray[Any]
 
-AROUND = 48  # facets around an axis
-_ROWS = 12  # of facets from the equator of a ball to a pole
+FACETS_AROUND_AXIS = 48  # facets around an axis
+_ROWS_TO_POLE = 12  # of facets from the equator of a ball to a pole
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,11 +42,14 @@ def facets(solid: AnySolid) -> Facets:
     if isinstance(solid, RoundedBox):
         return _ball(solid.core, solid.radius)
     if isinstance(solid, Sphere):
-        return _turned(_arc(solid.radius, 0.0, -_ROWS, _ROWS))
+        return _revolved(_arc(solid.radius, 0.0, -_ROWS_TO_POLE, _ROWS_TO_POLE))
     if isinstance(solid, Capsule):
         half = solid.length / 2
-        ends = (_arc(solid.radius, -half, -_ROWS, 0), _arc(solid.radius, half, 0, _ROWS))
-        return _turned(np.concatenate(ends))
+        ends = (
+            _arc(solid.radius, -half, -_ROWS_TO_POLE, 0),
+            _arc(solid.radius, half, 0, _ROWS_TO_POLE),
+        )
+        return _revolved(np.concatenate(ends))
     if isinstance(solid, Cylinder):
         return _of_cylinder(solid)
     return _flat(np.array(solid.vertices), np.array(solid.faces))
@@ -55,7 +58,7 @@ def facets(solid: AnySolid) -> Facets:
 def _of_cylinder(solid: Cylinder) -> Facets:
     half, radius = solid.length / 2, solid.radius
     # an outline from below to above: distance from the axis, height, and the normal in both
-    return _turned(
+    return _revolved(
         np.array(
             [
                 [0, -half, 0, -1],
@@ -71,20 +74,22 @@ def _of_cylinder(solid: Cylinder) -> Facets:
 
 def _arc(radius: float, height: float, first: int, last: int) -> Array:
     """Return the outline of a ball at a height, between rows counted from its equator."""
-    angles = np.arange(first, last + 1) * (math.pi / 2 / _ROWS)
+    angles = np.arange(first, last + 1) * (math.pi / 2 / _ROWS_TO_POLE)
     out, up = np.cos(angles), np.sin(angles)
     return np.stack([radius * out, height + radius * up, out, up], axis=1)
 
 
-def _turned(outline: Array) -> Facets:
+def _revolved(outline: Array) -> Facets:
     """Return the body that an outline, shape (k, 4), sweeps out around the z axis."""
-    angles = np.arange(AROUND + 1) * (2 * math.pi / AROUND)
+    angles = np.arange(FACETS_AROUND_AXIS + 1) * (2 * math.pi / FACETS_AROUND_AXIS)
     out = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     distance, height, across, along = (column[:, None, None] for column in outline.T)
-    flat = np.ones((1, AROUND + 1, 1))
+    flat = np.ones((1, FACETS_AROUND_AXIS + 1, 1))
     vertices = np.concatenate([distance * out, height * flat], axis=2)
     normals = np.concatenate([across * out, along * flat], axis=2)
-    return Facets(vertices.reshape(-1, 3), normals.reshape(-1, 3), _grid(len(outline), AROUND + 1))
+    return Facets(
+        vertices.reshape(-1, 3), normals.reshape(-1, 3), _grid(len(outline), FACETS_AROUND_AXIS + 1)
+    )
 
 
 def _grid(rows: int, columns: int) -> Array:
@@ -99,7 +104,7 @@ def _ball(core: tuple[float, float, float], radius: float) -> Facets:
 
     Each face is a grid on a cube, blown up to the ball and moved out to its corner of the core.
     """
-    steps = np.tan(np.linspace(-math.pi / 4, math.pi / 4, 2 * (_ROWS // 2) + 1))
+    steps = np.tan(np.linspace(-math.pi / 4, math.pi / 4, 2 * (_ROWS_TO_POLE // 2) + 1))
     half = len(steps) // 2
     # the middle row belongs to both halves, between which the face of the core lies
     steps = np.concatenate([steps[: half + 1], steps[half:]]) if radius else np.array([-1.0, 1.0])

@@ -12,7 +12,7 @@ from somo_cli.picture.facets import Array
 from somo_cli.problems import ExtraMissing
 
 KINDS = (".mp4", ".gif")
-FASTEST = 50
+MAX_GIF_RATE = 50
 """Pictures per second: what a GIF can tell at most, in hundredths of a second."""
 
 _BARE = ["-threads", "1", "-fflags", "+bitexact", "-flags:v", "+bitexact", "-map_metadata", "-1"]

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from somo_cli.picture.camera import Camera
+from somo_cli.picture.drawn_parts import Part
 from somo_cli.picture.facets import Array
 from somo_cli.picture.shadows import Lamp, Shadows, light_direction
-from somo_cli.picture.stage import Part
 from somo_cli.picture.tiny_renderer import AMBIENT, Raster
 
 TILES = (246.0, 232.0)
@@ -36,7 +36,7 @@ class Ground:
 
 
 @dataclass(frozen=True, slots=True)
-class _Laid:
+class _GroundPixels:
     """The ground in each pixel: how far away it is, its grey, and how far it has faded, 0 to 1."""
 
     distances: Array
@@ -44,7 +44,7 @@ class _Laid:
     fades: Array
 
 
-def square_of(radius: float) -> float:
+def tile_edge(radius: float) -> float:
     """Return the edge of a square of the ground [m]: 1, 2 or 5 times a power of ten."""
     wanted = radius / 2
     power = 10.0 ** math.floor(math.log10(wanted))
@@ -64,7 +64,7 @@ class Shading:
         self._unlit = np.array([part.colour for part in parts], np.float32) * (255 * AMBIENT)
         links = [(part.body, part.link) for part in parts]
         self._links = np.array([*map(links.index, links), -1])  # the last one is that of no part
-        self._ground = None if ground is None else _laid(ground, camera, size)
+        self._ground = None if ground is None else _ground_pixels(ground, camera, size)
 
     def picture(self, raster: Raster, lamp: Lamp, seen_by_lamp: Raster) -> Array:
         """Return red, green and blue of every pixel, shape (height, width, 3), as floats."""
@@ -97,7 +97,7 @@ def smoothed(picture: Array, factor: int) -> Array:
     return np.clip(np.rint(mean), 0, 255).astype(np.uint8)
 
 
-def _laid(ground: Ground, camera: Camera, size: tuple[int, int]) -> _Laid:
+def _ground_pixels(ground: Ground, camera: Camera, size: tuple[int, int]) -> _GroundPixels:
     across, along, fall = camera.rays(size)
     fall = np.where(fall == 0, np.float32(1e-12), fall)
     away = (ground.height - camera.eye[2]) / fall
@@ -112,7 +112,7 @@ def _laid(ground: Ground, camera: Camera, size: tuple[int, int]) -> _Laid:
     fades = fades * fades * (3 - 2 * fades)
     greys += fades * (_PAPER - greys)
     kept = (np.where(is_seen, away, np.inf), greys, fades)
-    return _Laid(*(values.astype(np.float32) for values in kept))
+    return _GroundPixels(*(values.astype(np.float32) for values in kept))
 
 
 def _draw_seams(picture: Array, links: Array) -> None:

@@ -15,10 +15,10 @@ import numpy as np
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.picture.camera import Camera
+from somo_cli.picture.drawn_parts import Part
 from somo_cli.picture.facets import Array
-from somo_cli.picture.stage import Part
-from somo_cli.simulation.bullet_engine import engine
-from somo_cli.simulation.c_library import captured_output
+from somo_cli.simulation.engine.bullet.c_stdio import captured_output
+from somo_cli.simulation.engine.bullet.client import engine
 
 AMBIENT, DIFFUSE, SPECULAR = 0.62, 0.42, 0.06
 """How much of its colour a surface shows in the shadow, how much more in full light, and gloss."""
@@ -85,7 +85,7 @@ class TinyRenderer:
                 self._client,
             )
 
-    def look(self, camera: Camera, size: tuple[int, int], light: Array) -> Raster:
+    def render(self, camera: Camera, size: tuple[int, int], light: Array) -> Raster:
         """Return what a camera sees in a light that comes from a direction, a unit vector."""
         width, height = size
         near, far = camera.near / self._unit, camera.far / self._unit

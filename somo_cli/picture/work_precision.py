@@ -5,8 +5,8 @@ from __future__ import annotations
 import io
 from typing import Any
 
-from somo_cli.analysis.choice import Choice, choices
-from somo_cli.analysis.study import Case, Study
+from somo_cli.analysis.choice import RatedCase, rated_cases
+from somo_cli.analysis.study import Study, StudyCase
 from somo_cli.problems import ExtraMissing
 
 MARKERS = "osD^vP"
@@ -42,7 +42,7 @@ def _figure(study: Study, title: str) -> Any:
         times, errors = zip(*((one.case.run_time, one.solver) for one in curve), strict=True)
         axes.loglog(times, errors, marker=MARKERS[number % len(MARKERS)], label=name)
         # curves of other numbers of segments run close by: their labels would cover each other
-        for one in curve if curve[0].cut is study.cuts[0] else ():
+        for one in curve if curve[0].discretization is study.discretizations[0] else ():
             axes.annotate(
                 f"{1e3 * one.case.time_step:.3g} ms",
                 (one.case.run_time, one.solver),
@@ -67,31 +67,38 @@ def _figure(study: Study, title: str) -> Any:
     return figure
 
 
-def _curves(study: Study) -> dict[str, list[Choice]]:
+def _curves(study: Study) -> dict[str, list[RatedCase]]:
     """Return the cases with an error that is known, by integrator and number of segments."""
-    found: dict[str, list[Choice]] = {}
-    for one in sorted(choices(study), key=lambda one: -one.case.time_step):
+    found: dict[str, list[RatedCase]] = {}
+    for one in sorted(rated_cases(study), key=lambda one: -one.case.time_step):
         if one.case.errors["tip_position"] is not None:
             found.setdefault(_name(one.case), []).append(one)
     return dict(sorted(found.items(), key=lambda item: _place(study, item[1][0].case)))
 
 
-def _name(case: Case) -> str:
+def _name(case: StudyCase) -> str:
     of_segments = "" if case.segments is None else f", {case.segments} segments"
     return case.integrator + of_segments
 
 
-def _place(study: Study, case: Case) -> int:
+def _place(study: Study, case: StudyCase) -> int:
     return [_name(other) for other in study.cases].index(_name(case))
 
 
 def _lines(study: Study) -> dict[str, float]:
     lines: dict[str, float] = {}
-    for cut in study.cuts:
-        of_segments = "" if cut.segments is None else f", {cut.segments} segments"
-        if cut.model is not None:
-            lines[f"error of the chain{of_segments}"] = cut.model.maximum / cut.length
-    errors = [cut.reference.error["tip_position"] / cut.length for cut in study.cuts]
+    for discretization in study.discretizations:
+        of_segments = (
+            "" if discretization.segments is None else f", {discretization.segments} segments"
+        )
+        if discretization.model is not None:
+            lines[f"error of the chain{of_segments}"] = (
+                discretization.model.maximum / discretization.length
+            )
+    errors = [
+        discretization.reference.error["tip_position"] / discretization.length
+        for discretization in study.discretizations
+    ]
     lines["error of the reference"] = max(errors)
     return lines
 

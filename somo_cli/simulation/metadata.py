@@ -8,21 +8,21 @@ from collections.abc import Mapping, Sequence
 from importlib.metadata import PackageNotFoundError, version
 
 from somo_cli import __version__
-from somo_cli.simulation import explanation
-from somo_cli.simulation.plan import Plan
-from somo_cli.simulation.run import Summary
+from somo_cli.simulation import plan_report
+from somo_cli.simulation.plan.model import Plan
+from somo_cli.simulation.run import RunSummary
 
 _ENGINES = ("pybullet", "pybullet-arm64")
 
 
 def metadata(
     plan: Plan,
-    summary: Summary,
+    summary: RunSummary,
     inputs: Mapping[str, str],
     overrides: Sequence[str],
     columns: Sequence[str],
-    is_step_chosen: bool = False,
-    expected_error: float | None = None,
+    is_time_step_automatic: bool = False,
+    expected_tip_error: float | None = None,
 ) -> dict[str, object]:
     """Return versions, input hashes, step, integrator, scale and run time of a finished run.
 
@@ -32,16 +32,16 @@ def metadata(
     """
     simulated = summary.steps * plan.time_step
     return {
-        **origin(inputs, overrides),
+        **provenance(inputs, overrides),
         "integrator": plan.integrator,
         "time_step_s": plan.time_step,
-        "time_step_chosen": is_step_chosen,
-        "expected_tip_error_relative": expected_error,
+        "time_step_chosen": is_time_step_automatic,
+        "expected_tip_error_relative": expected_tip_error,
         "steps": summary.steps,
         "stopped_by": _stopped_by(summary),
         "record_every": plan.every,
         "rows": summary.rows,
-        "plan": explanation.plain(plan),
+        "plan": plan_report.plain_data(plan),
         "columns": list(columns),
         "world_scale": {"length": plan.scale.length, "mass": plan.scale.mass},
         "manipulators": {
@@ -54,13 +54,13 @@ def metadata(
     }
 
 
-def _stopped_by(summary: Summary) -> dict[str, object] | None:
+def _stopped_by(summary: RunSummary) -> dict[str, object] | None:
     if summary.stopped is None:
         return None
     return {"stop": summary.stopped.condition, "reason": summary.stopped.reason}
 
 
-def origin(inputs: Mapping[str, str], overrides: Sequence[str]) -> dict[str, object]:
+def provenance(inputs: Mapping[str, str], overrides: Sequence[str]) -> dict[str, object]:
     """Return what a result comes from: versions, platform, the files read and what overrode them.
 
     Overrides on the command line are no files, though their texts are among the inputs.

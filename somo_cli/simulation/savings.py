@@ -5,9 +5,9 @@ from __future__ import annotations
 import dataclasses
 import math
 
-from somo_cli.simulation import columns
-from somo_cli.simulation.plan import Plan
-from somo_cli.simulation.scene import ALL_COLUMNS, ALL_READINGS
+from somo_cli.scene import columns
+from somo_cli.scene.model import ALL_OBJECT_QUANTITIES, ALL_QUANTITIES
+from somo_cli.simulation.plan.model import Plan
 
 
 def solids(plan: Plan) -> int:
@@ -20,26 +20,26 @@ def merged_links(plan: Plan) -> int:
     return sum(max(0, len(link.shapes) - 1) for body in plan.bodies for link in body.chain.links)
 
 
-def own_pairs(plan: Plan) -> int:
+def untested_link_pairs(plan: Plan) -> int:
     """Return the pairs of links within manipulators that are surely not tested for contact.
 
     Without self_collision all of them, else those of neighbours.
     """
     return sum(
-        len(body.chain.joints) if body.collides_with_itself else math.comb(len(body.chain.links), 2)
+        len(body.chain.joints) if body.has_self_collision else math.comb(len(body.chain.links), 2)
         for body in plan.bodies
     )
 
 
-def held_pairs(plan: Plan) -> int:
+def fixed_pairs(plan: Plan) -> int:
     """Return the pairs of parts neither of which could yield: held bases and objects, ground."""
     held = sum(body.base != "free" for body in plan.bodies)
-    held += sum(planned.thing.is_held for planned in plan.things)
+    held += sum(planned.thing.has_prescribed_pose for planned in plan.objects)
     return math.comb(held + (plan.ground is not None), 2)
 
 
-def columns_at_hand(plan: Plan) -> int:
+def available_columns(plan: Plan) -> int:
     """Return how many columns a scene has if it records all there are, the time not counted."""
-    readings = ALL_READINGS if plan.things else ()
-    whole = dataclasses.replace(plan, columns=ALL_COLUMNS, of_things=readings, only=())
-    return len(columns.header(whole)) - 1
+    readings = ALL_OBJECT_QUANTITIES if plan.objects else ()
+    whole = dataclasses.replace(plan, columns=ALL_QUANTITIES, object_quantities=readings, only=())
+    return len(columns.header(whole.recorded)) - 1

@@ -1,4 +1,4 @@
-"""Errors over time by quantity, and what is extrapolated from three levels."""
+"""Errors over time by quantity, and what is extrapolate from three levels."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ import json
 import numpy as np
 import pytest
 
-from somo_cli.analysis.errors import aligned, profiles, summary
-from somo_cli.analysis.reference import extrapolated
-from somo_cli.simulation import columns
-from somo_cli.simulation.plan import Plan, make_plan
+from somo_cli.analysis.errors import align_quaternions, error_profiles, summarize_errors
+from somo_cli.analysis.reference import extrapolate
+from somo_cli.scene import columns
+from somo_cli.simulation.plan.model import Plan, make_plan
 from tests.loading import scene_from_text
 from tests.manipulator.bodies import X, actuator, manipulator
 
@@ -25,7 +25,7 @@ def plan_of_two() -> Plan:
 
 
 def rows_with(changes: dict[str, float], time: float = 0.0) -> np.ndarray:
-    names = columns.header(plan_of_two())
+    names = columns.header(plan_of_two().recorded)
     row = [1.0 if name.endswith(".qw") else 0.0 for name in names]
     for name, value in changes.items():
         row[names.index(name)] = value
@@ -50,7 +50,7 @@ def test_every_quantity_has_its_own_measure() -> None:
             "b.actuator_0_segment_01.qx": 0.01,
         }
     )
-    found = {name: float(error[0]) for name, error in profiles(plan, rows, reference).items()}
+    found = {name: float(error[0]) for name, error in error_profiles(plan, rows, reference).items()}
     assert found == pytest.approx(
         {
             "tip_position": 0.5,
@@ -64,12 +64,14 @@ def test_every_quantity_has_its_own_measure() -> None:
 
 def test_opposite_quaternions_are_one_turn() -> None:
     reference = np.array([[0.0, 0.6, 0.0, 0.8, 1.0, 0.0, 0.0, 0.0]])
-    found = aligned("link_orientations", reference * [-1, -1, -1, -1, 1, 1, 1, 1], reference)
+    found = align_quaternions(
+        "link_orientations", reference * [-1, -1, -1, -1, 1, 1, 1, 1], reference
+    )
     assert np.array_equal(found, reference)
 
 
 def test_an_error_has_an_end_a_maximum_and_a_mean() -> None:
-    error = summary(np.array([0.0, 3.0, 4.0, 1.0]))
+    error = summarize_errors(np.array([0.0, 3.0, 4.0, 1.0]))
     assert (error.final, error.maximum) == (1.0, 4.0)
     assert error.rms == pytest.approx(np.sqrt(26 / 4))
 
@@ -82,8 +84,8 @@ def test_the_limit_of_three_levels_is_found(order: float) -> None:
     for step in (0.4, 0.2, 0.1):
         off = 0.1 * step**order + 0.02 * step ** (order + 2)
         levels.append(rows_with({"a.tip.x_m": 0.5 + off, "b.tip.x_m": 0.5 * off}))
-    found = extrapolated(plan, levels, 2.0)
-    off = profiles(plan, found.rows, exact)["tip_position"].max()
+    found = extrapolate(plan, levels, 2.0)
+    off = error_profiles(plan, found.rows, exact)["tip_position"].max()
     assert found.order["tip_position"] == pytest.approx(order, abs=0.2)
     assert 0 < off <= found.error["tip_position"] < 0.5 * 0.1 * 0.1**order
     assert found.final_error == found.error
@@ -93,6 +95,6 @@ def test_the_limit_of_three_levels_is_found(order: float) -> None:
 def test_where_no_order_is_seen_the_finest_stands() -> None:
     plan = plan_of_two()
     levels = [rows_with({"a.tip.x_m": value}) for value in (0.0, 0.1, 0.3)]
-    found = extrapolated(plan, levels, 2.0)
+    found = extrapolate(plan, levels, 2.0)
     assert np.array_equal(found.rows, levels[2])
     assert found.error["tip_position"] == pytest.approx(0.2)

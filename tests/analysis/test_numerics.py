@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 from somo_cli import loading
-from somo_cli.analysis import outlook_account
-from somo_cli.analysis.numerics import Numerics, judge
-from somo_cli.analysis.trajectory import MOST_POSES, poses_met
+from somo_cli.analysis import stability_report
+from somo_cli.analysis.numerics import NumericsReport, assess
+from somo_cli.analysis.trajectory import MAX_POSES, visited_poses
 from somo_cli.problems import InvalidFile
-from somo_cli.simulation.plan import make_plan
+from somo_cli.simulation.plan.model import make_plan
 from tests.loading import DEFINITIONS, scene_from_file
 
 CUT = "manipulators[0].definition.actuator_definitions[0]"
@@ -19,17 +19,17 @@ HINGES = f"{CUT}.joint_definitions"
 TWO = "manipulators: [{definition: finger.yaml}, {definition: finger.yaml, name: other}]\n"
 
 
-def judged(name: str, *sets: str) -> Numerics:
+def judged(name: str, *sets: str) -> NumericsReport:
     return judged_text((DEFINITIONS / name).read_text("utf-8"), name, *sets)
 
 
-def judged_text(text: str, name: str = "test.yaml", *sets: str) -> Numerics:
+def judged_text(text: str, name: str = "test.yaml", *sets: str) -> NumericsReport:
     document = loading.load_text(text, str(DEFINITIONS / name), sets)
     scene, _ = loading.scene_of(document)
-    return judge(make_plan(scene), loading.as_scene(document), {})
+    return assess(make_plan(scene), loading.as_scene(document), {})
 
 
-def codes(known: Numerics) -> dict[str, str]:
+def codes(known: NumericsReport) -> dict[str, str]:
     return {finding.code: finding.severity for finding in known.findings}
 
 
@@ -139,8 +139,8 @@ def test_a_body_without_inertia_is_said_to_have_none() -> None:
         "manipulators[0].definition.tip_definition.mass=1e12",
     )
     assert codes(known)["no-inertia"] == "error"
-    assert known.outlooks == ()
-    assert outlook_account.plain(known)["explicit_step_s"] is None
+    assert known.forecasts == ()
+    assert stability_report.plain_data(known)["explicit_step_s"] is None
 
 
 def test_what_nothing_moves_is_said() -> None:
@@ -158,8 +158,8 @@ def test_the_mass_that_would_be_right_is_in_kilograms() -> None:
 
 def test_the_table_and_the_values_tell_the_same() -> None:
     known = judged("scene.yaml")
-    told = outlook_account.plain(known)
-    lines = "\n".join(outlook_account.table(known))
+    told = stability_report.plain_data(known)
+    lines = "\n".join(stability_report.table(known))
     assert told["recommended_time_step_s"] == {"implicit": 0.01, "euler": 2e-4, "explicit": 2e-4}
     assert told["explicit_step_s"] == known.explicit_step
     assert f"{known.explicit_step:.4g}" in lines
@@ -179,9 +179,9 @@ def header() -> str:
 
 def test_poses_are_read_from_a_recorded_run() -> None:
     plan = make_plan(scene_from_file("scene.yaml"))
-    rows = [",".join([str(number), *["0.25"] * 10]) for number in range(3 * MOST_POSES)]
-    found = poses_met([header(), *rows], "run.csv", plan)["finger"]
-    assert MOST_POSES / 2 <= len(found) <= MOST_POSES
+    rows = [",".join([str(number), *["0.25"] * 10]) for number in range(3 * MAX_POSES)]
+    found = visited_poses([header(), *rows], "run.csv", plan)["finger"]
+    assert MAX_POSES / 2 <= len(found) <= MAX_POSES
     assert found[0][1].tolist() == [0.25] * 10
     assert found[0][0].position == (0.0, 0.0, 0.0)
 
@@ -190,7 +190,7 @@ def test_the_base_is_where_the_run_had_it() -> None:
     plan = make_plan(scene_from_file("scene.yaml"))
     base = [f"finger.base_pose.{name}" for name in ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")]
     lines = [",".join([header(), *base]), ",".join(["0", *["0"] * 10, "1", "2", "3", "1,0,0,0"])]
-    ((pose, _),) = poses_met(lines, "run.csv", plan)["finger"]
+    ((pose, _),) = visited_poses(lines, "run.csv", plan)["finger"]
     assert pose.position == (20.0, 40.0, 60.0)  # the scene's world scale is 20
     assert pose.rotation[1][1] == pytest.approx(-1)
 
@@ -212,5 +212,5 @@ def test_the_base_is_where_the_run_had_it() -> None:
 def test_a_file_that_is_no_such_run(lines: list[str], message: str) -> None:
     plan = make_plan(scene_from_file("scene.yaml"))
     with pytest.raises(InvalidFile) as caught:
-        poses_met(lines, "run.csv", plan)
+        visited_poses(lines, "run.csv", plan)
     assert str(caught.value).startswith(message)

@@ -10,14 +10,14 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from somo_cli.analysis.excitation import Vibration, kept
-from somo_cli.analysis.prediction import Motion, motion_of
-from somo_cli.analysis.stability import outlook_of, recommended_step
+from somo_cli.analysis.modal_excitation import Vibration, modal_response
+from somo_cli.analysis.prediction import ModalMotion, predict_motion
+from somo_cli.analysis.stability import forecast_of, recommended_step
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
-from somo_cli.simulation.dynamics import ChainDynamics
-from somo_cli.simulation.plan import make_plan
-from somo_cli.simulation.scene import Integrator, Scene
+from somo_cli.scene.model import Integrator, Scene
+from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
+from somo_cli.simulation.plan.model import make_plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.simulation.test_physics import THROWN
 
@@ -71,13 +71,13 @@ STEPS: dict[Integrator, tuple[float, ...]] = {
 MATTERS = 1e-4, 5e-2  # true errors, relative to the length, between which a prediction decides
 
 
-def predicted(scene: Scene) -> Motion:
+def predicted(scene: Scene) -> ModalMotion:
     """Return how the body is expected to move within the time of the runs here."""
     plan = make_plan(scene)
     (body,) = plan.bodies
     base = Pose(body.start.position, geometry.rotation_from_rpy(body.start.rpy))
     pose = ChainDynamics(body.chain).at(body.start.angles, base)
-    return motion_of(plan, body, pose, outlook_of(plan, body).modes["start"], DURATION)
+    return predict_motion(plan, body, pose, forecast_of(plan, body).modes["start"], DURATION)
 
 
 def tips(scene: Scene, integrator: Integrator, step: float) -> np.ndarray:
@@ -155,7 +155,7 @@ class Held(NamedTuple):
     ids=["fitted to", "drawn"],
 )
 def test_predictions_are_honest(scenes: dict[str, Scene], held: Held) -> None:
-    """What is predicted over what came true, where it matters: see `prediction.AT_ONCE`."""
+    """What is predicted over what came true, where it matters: see `prediction.AMPLITUDE_ERROR`."""
     ratios: dict[tuple[str, str, float], float] = {}
     for name, scene in scenes.items():
         motion = predicted(scene)
@@ -184,7 +184,7 @@ def test_the_recommended_step_keeps_to_a_percent(name: str) -> None:
 
 def pushed(times: np.ndarray, values: np.ndarray, root: complex) -> Vibration:
     pushes = np.diff(values, prepend=0.0)[np.newaxis].astype(complex)
-    return kept(np.array([root]), pushes, float(times[1]), np.abs(np.array([root])))
+    return modal_response(np.array([root]), pushes, float(times[1]), np.abs(np.array([root])))
 
 
 TIMES = np.linspace(0, 20, 20_001)
@@ -194,7 +194,7 @@ def test_a_jump_leaves_all_and_a_slow_ramp_little() -> None:
     for omega in (1.0, 10.0):
         jump = pushed(TIMES, np.full_like(TIMES, 3.0), 1j * omega)
         assert jump.largest == pytest.approx([3 / omega**2])
-        assert jump.lasting == pytest.approx([3 / omega**2 * omega * 20])
+        assert jump.phase_weighted == pytest.approx([3 / omega**2 * omega * 20])
         # of a ramp of length T a mode keeps sin(ω t/2) / (ω T/2) of the last t
         ramp = pushed(TIMES, np.minimum(TIMES / 2, 1.0), 1j * omega)
         most = math.sin(1.0) if omega == 1 else 1 / omega
@@ -213,7 +213,7 @@ def test_what_lasts_is_the_change_of_a_motion_with_its_root() -> None:
         ]
         slope = np.abs(by_root[0] - by_root[1]).max() / 2e-5
         found = pushed(times, values, root)
-        assert found.lasting == pytest.approx([slope / abs(root) ** 2], rel=1e-5)
+        assert found.phase_weighted == pytest.approx([slope / abs(root) ** 2], rel=1e-5)
 
 
 def test_a_damped_mode_lasts_for_its_decay() -> None:
@@ -221,7 +221,7 @@ def test_a_damped_mode_lasts_for_its_decay() -> None:
     zeta, omega = 0.1, 10.0
     root = omega * (-zeta + 1j * math.sqrt(1 - zeta**2))
     found = pushed(TIMES, np.ones_like(TIMES), root)
-    assert found.lasting * omega**2 == pytest.approx([1 / (math.e * zeta)], rel=1e-5)
+    assert found.phase_weighted * omega**2 == pytest.approx([1 / (math.e * zeta)], rel=1e-5)
 
 
 def test_waves_out_of_step_cancel() -> None:
@@ -251,9 +251,9 @@ def test_a_push_counts_whenever_it_comes(time: float) -> None:
     still = dataclasses.replace(scene_from_text(text % time), gravity=(0.0, 0.0, 0.0))
     plan = make_plan(still)
     at_once = dataclasses.replace(scene_from_text(text % 1e-9), gravity=(0.0, 0.0, 0.0))
-    found = outlook_of(plan, plan.bodies[0]).motion.error("implicit", 5e-3)
+    found = forecast_of(plan, plan.bodies[0]).motion.error("implicit", 5e-3)
     plan = make_plan(at_once)
-    expected = outlook_of(plan, plan.bodies[0]).motion.error("implicit", 5e-3)
+    expected = forecast_of(plan, plan.bodies[0]).motion.error("implicit", 5e-3)
     assert found == pytest.approx(expected, rel=0.02)
 
 
@@ -261,7 +261,7 @@ def test_what_nothing_moves_is_let_go_sideways() -> None:
     scene = scene_from_file("cantilever_scene.yaml", "manipulators[0].loads=[]")
     plan = make_plan(scene)
     (body,) = plan.bodies
-    motion = outlook_of(plan, body).motion
+    motion = forecast_of(plan, body).motion
     assert motion.is_assumed
     # a cantilever of 0.3 kg and EI = 1 N·m² under its own weight: w L⁴ / 8 EI, most in one mode
     assert motion.amplitudes.max() == pytest.approx(0.3 * 9.81 / 8, rel=0.03)

@@ -8,13 +8,13 @@ import math
 import numpy as np
 import pytest
 
-from somo_cli.analysis.stability import Outlook, outlook_of
+from somo_cli.analysis.stability import StabilityForecast, forecast_of
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import SimulationDiverged
-from somo_cli.simulation.dynamics import ChainDynamics
-from somo_cli.simulation.plan import make_plan
-from somo_cli.simulation.scene import Scene
-from somo_cli.simulation.vibration import largest_explicit_step
+from somo_cli.scene.model import Scene
+from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
+from somo_cli.simulation.dynamics.modal import largest_explicit_step
+from somo_cli.simulation.plan.model import make_plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.simulation.test_physics import HINGE, INERTIA, JOINTS, THROWN
 
@@ -23,9 +23,9 @@ pytestmark = pytest.mark.slow
 CUT = "manipulators[0].definition.actuator_definitions[0]"
 
 
-def outlook(scene: Scene) -> Outlook:
+def outlook(scene: Scene) -> StabilityForecast:
     plan = make_plan(scene)
-    return outlook_of(plan, plan.bodies[0])
+    return forecast_of(plan, plan.bodies[0])
 
 
 def beam(n: int, damping: float = 0.0) -> Scene:
@@ -82,7 +82,7 @@ def test_one_hinge_has_its_frequency_and_its_ratio() -> None:
     omega = math.sqrt(50 / INERTIA)
     zeta = 0.5 / (2 * math.sqrt(50 * INERTIA))
     assert found.modes["start"].frequencies == pytest.approx([omega])
-    assert found.modes["start"].ratios == pytest.approx([zeta])
+    assert found.modes["start"].damping_ratios == pytest.approx([zeta])
     # symplectic Euler: h ω = 2 (sqrt(1 + ζ²) - ζ)
     assert found.explicit_step * omega == pytest.approx(2 * (math.sqrt(1 + zeta**2) - zeta))
 
@@ -171,12 +171,12 @@ def test_damping_that_couples_modes_is_solved_for() -> None:
             assert values[-1] < 1e-9 * values[0]
         # the sum of all roots is minus the trace of M⁻¹ D
         assert modes.all_roots.sum().real == pytest.approx(-np.trace(np.linalg.solve(mass, d)))
-    assert modes.least_ratio != pytest.approx(modes.ratios.min(), rel=0.05)
+    assert modes.least_damping_ratio != pytest.approx(modes.damping_ratios.min(), rel=0.05)
 
 
 def test_damping_in_proportion_to_stiffness_leaves_modes_alone() -> None:
     modes = outlook(beam(10, 1e-3)).modes["start"]
-    assert modes.least_ratio == pytest.approx(modes.ratios[0], rel=1e-9)
+    assert modes.least_damping_ratio == pytest.approx(modes.damping_ratios[0], rel=1e-9)
 
 
 def survives(scene: Scene, step: float, steps: int) -> bool:
@@ -229,7 +229,7 @@ def test_the_explicit_limit_is_that_of_the_engine(name: str) -> None:
 def test_a_thrown_body_has_no_stiffness_of_gravity() -> None:
     scene = scene_from_text(THROWN)
     still = dataclasses.replace(scene, gravity=(0.0, 0.0, 0.0))
-    first, second = (outlook(one).modes["start"].squares for one in (scene, still))
+    first, second = (outlook(one).modes["start"].squared_frequencies for one in (scene, still))
     assert np.array_equal(first, second)
 
 
@@ -237,9 +237,9 @@ def test_the_worst_pose_met_counts() -> None:
     scene = scene_from_file("scene.yaml")
     plan = make_plan(scene)
     (body,) = plan.bodies
-    alone = outlook_of(plan, body)
+    alone = forecast_of(plan, body)
     start = np.zeros(10)
     bent = [(Pose(), start), (Pose(), start + 0.2), (Pose(), start + 0.4)]
-    found = outlook_of(plan, body, bent)
+    found = forecast_of(plan, body, bent)
     assert set(found.modes) == {"start", "neutral", "worst"}
     assert found.explicit_step == found.modes["worst"].explicit_step < alone.explicit_step

@@ -12,13 +12,13 @@ import math
 import numpy as np
 import pytest
 
-from somo_cli.analysis import account, named
-from somo_cli.analysis.choice import balanced, cheapest, choices
-from somo_cli.analysis.instants import common
-from somo_cli.analysis.study import Question, Study, study, work
-from somo_cli.manipulator.segments import NotUniform
-from somo_cli.simulation.bullet import BulletWorld
-from somo_cli.simulation.scene import Scene
+from somo_cli.analysis import closed_form_references, study_report
+from somo_cli.analysis.choice import balanced, cheapest, rated_cases
+from somo_cli.analysis.common_instants import common_instants
+from somo_cli.analysis.study import Study, StudySettings, study, total_steps
+from somo_cli.manipulator.resegmentation import NotUniform
+from somo_cli.scene.model import Scene
+from somo_cli.simulation.engine.bullet.world import BulletWorld
 from tests.loading import scene_from_file, scene_from_text
 from tests.simulation.test_physics import HINGE
 
@@ -45,7 +45,7 @@ def answer(
     integrators: tuple[str, ...] = ("implicit",),
     segments: tuple[int | None, ...] = (None,),
 ) -> Study:
-    question = Question(steps, integrators, segments, common(steps, duration), 1)  # type: ignore[arg-type]
+    question = StudySettings(steps, integrators, segments, common_instants(steps, duration), 1)  # type: ignore[arg-type]
     return study(scene, question, BulletWorld, ticking(), lambda done: None)  # type: ignore[arg-type]
 
 
@@ -77,9 +77,9 @@ def test_errors_fall_with_the_order_of_the_integrator(finger: Study) -> None:
 
 def test_the_reference_knows_its_error(finger: Study) -> None:
     """Against a reference that is finer still."""
-    (cut,) = finger.cuts
+    (cut,) = finger.discretizations
     finer = answer(scene_from_file("scene.yaml"), (2.5e-4,), 0.4)
-    apart = np.abs(cut.reference.rows - finer.cuts[0].reference.rows)[:, 1:4].max()
+    apart = np.abs(cut.reference.rows - finer.discretizations[0].reference.rows)[:, 1:4].max()
     assert apart <= cut.reference.error["tip_position"] < 1e-7
 
 
@@ -88,7 +88,7 @@ def test_errors_below_that_of_the_reference_are_not_told() -> None:
     found = answer(scene, (2e-3, 1e-3), 0.2)
     assert all(case.errors["actuation"] is None for case in found.cases)
     assert all(case.errors["tip_position"] is not None for case in found.cases)
-    (rows, *_) = list(csv.DictReader(io.StringIO(account.csv_text(found))))
+    (rows, *_) = list(csv.DictReader(io.StringIO(study_report.csv_text(found))))
     assert rows["actuation_max_nm"] == ""
     assert float(rows["tip_position_max_m"]) > 0
 
@@ -98,21 +98,28 @@ def test_the_cheapest_case_that_is_good_enough_is_chosen(finger: Study) -> None:
     # the clock makes every loop slower than the one before, so the first good one is cheapest
     assert best is not None
     assert (best.case.integrator, best.case.time_step) == ("implicit", 8e-3)
-    assert account.choice(finger, 1e-2).startswith("for 1 % tip error use implicit, dt = 0.008 s: ")
-    assert account.choice(finger, 1e-9).startswith(
+    assert study_report.recommendation(finger, 1e-2).startswith(
+        "for 1 % tip error use implicit, dt = 0.008 s: "
+    )
+    assert study_report.recommendation(finger, 1e-9).startswith(
         "no case has 1e-07 % tip error: the nearest is implicit, dt = 0.002 s"
     )
 
 
 def test_a_study_in_which_nothing_ran_says_so(finger: Study) -> None:
     failed = dataclasses.replace(finger, cases=finger.cases[-3:])
-    assert choices(failed) == ()
-    assert account.choice(failed, 0.01).startswith("no case ran to its end")
-    assert account.table(failed).splitlines()[1].split() == ["10", "explicit", "0.008", "diverged"]
+    assert rated_cases(failed) == ()
+    assert study_report.recommendation(failed, 0.01).startswith("no case ran to its end")
+    assert study_report.table(failed).splitlines()[1].split() == [
+        "10",
+        "explicit",
+        "0.008",
+        "diverged",
+    ]
 
 
 def test_the_json_is_complete_and_has_no_nan(finger: Study) -> None:
-    found = json.loads(json.dumps(account.plain(finger, 0.01), allow_nan=False))
+    found = json.loads(json.dumps(study_report.plain_data(finger, 0.01), allow_nan=False))
     assert len(found["cases"]) == 9
     assert found["chosen"] == {"segments": None, "integrator": "implicit", "time_step_s": 8e-3}
     errors = found["cases"][0]["errors"]
@@ -124,10 +131,10 @@ def test_the_json_is_complete_and_has_no_nan(finger: Study) -> None:
 def test_progress_ends_at_the_work_that_was_announced() -> None:
     done: list[int] = []
     steps = (2e-3, 1e-3)
-    question = Question(steps, ("implicit",), (None,), common(steps, 0.1), 2)
+    question = StudySettings(steps, ("implicit",), (None,), common_instants(steps, 0.1), 2)
     study(scene_from_file("scene.yaml"), question, BulletWorld, lambda: 0.0, done.append)
     assert done == sorted(done)
-    assert done[-1] == work(question)
+    assert done[-1] == total_steps(question)
 
 
 def cantilever(*sets: str) -> Scene:
@@ -155,7 +162,7 @@ def test_a_chain_nears_its_beam_with_second_order(reference: str, sets: tuple[st
     scene = cantilever(*sets, f"reference={reference}")
     found = answer(scene, (2e-2,), 16.0, segments=(5, 10, 20))
     assert found.model == reference
-    errors = [cut.model.maximum if cut.model else math.nan for cut in found.cuts]
+    errors = [cut.model.maximum if cut.model else math.nan for cut in found.discretizations]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert orders == pytest.approx(2, abs=0.1), errors
     assert found.model_error < 0.05 * errors[-1]
@@ -168,13 +175,13 @@ def test_a_chain_nears_its_beam_with_second_order(reference: str, sets: tuple[st
 def test_an_arm_at_rest_too_early_says_how_much_it_moves() -> None:
     found = answer(cantilever("reference=elastica"), (2e-2,), 1.0)
     assert found.model_error > 1e-2
-    assert found.cuts[0].model is None
+    assert found.discretizations[0].model is None
 
 
 def test_without_a_closed_form_three_numbers_of_segments_give_the_limit() -> None:
     found = answer(cantilever(), (2e-2,), 1.0, segments=(5, 10, 20))
     assert found.model == "the limit of many segments"
-    errors = [cut.model.maximum if cut.model else math.nan for cut in found.cuts]
+    errors = [cut.model.maximum if cut.model else math.nan for cut in found.discretizations]
     assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(2, abs=0.1)
     assert answer(cantilever(), (2e-2,), 0.2, segments=(5, 10)).model == ""
 
@@ -198,7 +205,7 @@ def pendulum() -> Scene:
 
 def test_a_pendulum_is_held_against_its_closed_form() -> None:
     found = answer(pendulum(), (8e-3, 4e-3), 2.0)
-    (cut,) = found.cuts
+    (cut,) = found.discretizations
     assert cut.reference.kind == "pendulum"
     assert cut.reference.error["joint_angles"] < 1e-10
     assert found.cases[1].order == pytest.approx(2, abs=0.1)
@@ -231,5 +238,5 @@ def test_an_oscillator_is_held_against_its_closed_form() -> None:
     ],
 )
 def test_a_scene_that_is_not_the_case(reference: str, sets: tuple[str, ...], message: str) -> None:
-    with pytest.raises(named.NotTheCase, match=message):
-        named.require(cantilever(*sets, f"reference={reference}"))
+    with pytest.raises(closed_form_references.ReferenceMismatch, match=message):
+        closed_form_references.check_applicable(cantilever(*sets, f"reference={reference}"))

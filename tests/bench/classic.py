@@ -9,8 +9,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from somo_cli.simulation.bullet import BulletWorld
-from somo_cli.simulation.plan import Plan
+from somo_cli.simulation.engine.bullet.world import BulletWorld
+from somo_cli.simulation.plan.model import Plan
 
 ITERATIONS, RESIDUAL = 50, 1e-7  # the engine's defaults
 

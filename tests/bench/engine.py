@@ -16,8 +16,8 @@ from typing import TypeAlias
 
 from somo_cli.manipulator.urdf import render_for_engine
 from somo_cli.simulation import run as stepping
-from somo_cli.simulation.bullet import BulletWorld
-from somo_cli.simulation.plan import Plan
+from somo_cli.simulation.engine.bullet.world import BulletWorld
+from somo_cli.simulation.plan.model import Plan
 from tests.bench import hand
 from tests.bench.stepping import plan_of, swing
 

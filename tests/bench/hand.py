@@ -22,11 +22,11 @@ from typing import Any
 
 import numpy as np
 
-from somo_cli.simulation import columns
+from somo_cli.scene import columns
 from somo_cli.simulation import run as stepping
-from somo_cli.simulation.bullet import BulletWorld
-from somo_cli.simulation.plan import Plan, make_plan
-from somo_cli.simulation.rows import Write
+from somo_cli.simulation.engine.bullet.world import BulletWorld
+from somo_cli.simulation.plan.model import Plan, make_plan
+from somo_cli.simulation.recording.row_assembler import RowWriter
 from tests.bench.classic import leave_at_defaults
 from tests.loading import rows_of, scene_from_text
 
@@ -90,7 +90,7 @@ def timed_engine(world: BulletWorld) -> Iterator[list[float]]:
     yield total
 
 
-def ours(plan: Plan, write: Write) -> tuple[float, float]:
+def ours(plan: Plan, write: RowWriter) -> tuple[float, float]:
     """Return the time of a step [us], all of it, recording included; and the engine's part of it.
 
     The part is of a run of its own, since taking it costs time, too.
@@ -107,7 +107,7 @@ def way_of_cube(time_step: float) -> np.ndarray:
     """Return where the cube is at every tenth of a second, shape (rows, 3) [m]; ours."""
     plan = plan_of_hand(time_step)
     rows = rows_of(plan, round(SECONDS / time_step))
-    first = columns.header(plan).index("cube.pose.x_m")
+    first = columns.header(plan.recorded).index("cube.pose.x_m")
     return np.array(rows)[:, first : first + 3]
 
 

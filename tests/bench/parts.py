@@ -14,13 +14,13 @@ from typing import Any
 from unittest.mock import patch
 
 from somo_cli.simulation import run as stepping
-from somo_cli.simulation.bullet import BulletWorld
-from somo_cli.simulation.bullet_body import BulletBody
-from somo_cli.simulation.plan import Plan
-from somo_cli.simulation.runner import Runner
-from somo_cli.simulation.springs import SpringLaw
-from somo_cli.simulation.stepper import Stepper
-from somo_cli.simulation.watch import Watch
+from somo_cli.simulation.engine.bullet.body import BulletBody
+from somo_cli.simulation.engine.bullet.world import BulletWorld
+from somo_cli.simulation.integrator.body_stepper import Runner
+from somo_cli.simulation.integrator.implicit_law import SpringLaw
+from somo_cli.simulation.loop import SimulationLoop
+from somo_cli.simulation.monitoring.divergence import DivergenceMonitor
+from somo_cli.simulation.plan.model import Plan
 from tests.bench import hand
 from tests.bench import stepping as finger
 
@@ -32,9 +32,14 @@ PARTS: dict[str, tuple[tuple[type | Any, str], ...]] = {
     "law: corrected torques": ((SpringLaw, "correct"),),
     "law: new inertia": ((SpringLaw, "refresh"), (Runner, "refresh")),
     "looks: whether a correction may be held": ((Runner, "push_first"),),
-    "actuation": ((Runner, "actuate"), (Stepper, "_is_steady")),
-    "watch": ((Runner, "measure"), (Runner, "count_step"), (Runner, "count_work"), (Watch, "look")),
-    "loop": ((Stepper, "advance"),),
+    "actuation": ((Runner, "actuate"), (SimulationLoop, "_is_steady")),
+    "watch": (
+        (Runner, "measure"),
+        (Runner, "count_step"),
+        (Runner, "count_work"),
+        (DivergenceMonitor, "look"),
+    ),
+    "loop": ((SimulationLoop, "advance"),),
 }
 
 

@@ -22,12 +22,12 @@ from typing import TextIO
 import numpy as np
 
 from somo_cli.arrays import Array
-from somo_cli.simulation import columns, decimals
-from somo_cli.simulation.bullet import BulletWorld
-from somo_cli.simulation.plan import Plan
-from somo_cli.simulation.recorder import CsvRecorder
+from somo_cli.scene.model import Quantity
+from somo_cli.simulation.engine.bullet.world import BulletWorld
+from somo_cli.simulation.plan.model import Plan
+from somo_cli.simulation.recording import columns, shortest_float
+from somo_cli.simulation.recording.csv_writer import CsvWriter
 from somo_cli.simulation.run import run
-from somo_cli.simulation.scene import Quantity
 from tests.bench.stepping import plan_of
 from tests.loading import DEFINITIONS
 
@@ -48,7 +48,7 @@ def seconds_of(plan: Plan, stream: TextIO) -> float:
     stream.truncate()
     with BulletWorld(plan) as world:
         started = CLOCK()
-        recorder = CsvRecorder(stream, columns.header(plan))
+        recorder = CsvWriter(stream, columns.header(plan.recorded))
         run(plan, world, recorder.write, STEPS, CLOCK)
         return CLOCK() - started
 
@@ -58,7 +58,7 @@ def seconds_of_decimals(plan: Plan) -> float:
     blocks: list[Array] = []
     with BulletWorld(plan) as world:
         run(plan, world, blocks.append, STEPS, CLOCK)
-    nowhere = CsvRecorder(io.StringIO(), columns.header(plan))
+    nowhere = CsvWriter(io.StringIO(), columns.header(plan.recorded))
     started = CLOCK()
     for block in blocks:
         nowhere.write(block)
@@ -71,7 +71,7 @@ def print_decimals(rounds: int) -> None:
     ours, theirs = [], []
     for _ in range(100 * rounds):
         started = CLOCK()
-        decimals.lines(numbers)
+        shortest_float.lines(numbers)
         between = CLOCK()
         "".join(",".join(map(repr, row)) + "\n" for row in numbers.tolist())
         ours.append(between - started)
@@ -100,7 +100,7 @@ def print_overheads(rounds: int) -> None:
     picked = dataclasses.replace(picked, columns=(*RECORDED, "tip_position"))
     bare = dataclasses.replace(whole, columns=(), every=STEPS)
     plans = {
-        f"{len(columns.header(plan))} columns every {every:3} steps": dataclasses.replace(
+        f"{len(columns.header(plan.recorded))} columns every {every:3} steps": dataclasses.replace(
             plan, every=every
         )
         for plan in (whole, picked)

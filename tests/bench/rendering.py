@@ -13,8 +13,8 @@ import numpy as np
 
 from somo_cli.picture import shadows
 from somo_cli.picture.camera import VIEWS, framing, radius_of
-from somo_cli.picture.shading import Ground, Shading, smoothed, square_of
-from somo_cli.picture.stage import framed_points, parts_of, poses_at, start_of
+from somo_cli.picture.drawn_parts import framed_points, parts_of, poses_at, start_configuration
+from somo_cli.picture.shading import Ground, Shading, smoothed, tile_edge
 from somo_cli.picture.tiny_renderer import TinyRenderer
 from tests.loading import scene_from_file
 
@@ -27,14 +27,14 @@ def times_of(name: str, smoothing: int) -> tuple[float, float]:
     """Return the median times [s] of the renderer, twice a picture, and of all behind it."""
     scene = scene_from_file(name)
     parts = parts_of(scene)
-    poses = poses_at(scene, parts, start_of(scene))
+    poses = poses_at(scene, parts, start_configuration(scene))
     points = framed_points(parts, poses)
     radius = radius_of(points)
     camera = framing(points, VIEWS["oblique"], SIZE)
     size = (SIZE[0] * smoothing, SIZE[1] * smoothing)
     ground = None
     if scene.ground is not None:
-        ground = Ground(scene.ground.height, square_of(radius), (0.0, 0.0), radius)
+        ground = Ground(scene.ground.height, tile_edge(radius), (0.0, 0.0), radius)
     shader = Shading(camera, size, parts, ground)
     light = shader.direction
     rendering, shading = [], []
@@ -43,8 +43,8 @@ def times_of(name: str, smoothing: int) -> tuple[float, float]:
         lamp = shadows.lamp(points, light)
         for _ in range(ROUNDS):
             started = time.perf_counter()
-            seen_by_lamp = renderer.look(lamp.camera, (shadows.MAP, shadows.MAP), light)
-            raster = renderer.look(camera, size, light)
+            seen_by_lamp = renderer.render(lamp.camera, (shadows.MAP, shadows.MAP), light)
+            raster = renderer.render(camera, size, light)
             rendered = time.perf_counter()
             picture = smoothed(shader.picture(raster, lamp, seen_by_lamp), smoothing)
             assert picture.dtype == np.uint8

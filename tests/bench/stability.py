@@ -10,8 +10,8 @@ import dataclasses
 import itertools
 
 from somo_cli.problems import SimulationDiverged
-from somo_cli.simulation.actuation import Actuation, Waypoints
-from somo_cli.simulation.scene import Scene
+from somo_cli.scene.actuation import Actuation, WaypointProfile
+from somo_cli.scene.model import Scene
 from tests.loading import rows_of, scene_from_file
 
 JOINTS = (1, 10, 40)
@@ -38,7 +38,7 @@ def scene_of(joints: int, stiffer: float, ratio: float | None, step: float) -> S
     finger = dataclasses.replace(
         scene.manipulators[0],
         initial_angles=(0.1,) * joints,
-        actuation=(Actuation(0, 0, Waypoints(((0.0, 0.05),))),),
+        actuation=(Actuation(0, 0, WaypointProfile(((0.0, 0.05),))),),
     )
     return dataclasses.replace(scene, manipulators=(finger,), time_step=step, every=10_000)
 

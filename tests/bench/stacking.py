@@ -25,11 +25,11 @@ import numpy as np
 
 from somo_cli.arrays import Array
 from somo_cli.simulation import run as stepping
-from somo_cli.simulation.bullet import BulletWorld
-from somo_cli.simulation.plan import Plan, make_plan
-from somo_cli.simulation.runner import Runner
-from somo_cli.simulation.springs import SpringLaw
-from somo_cli.simulation.start import begin
+from somo_cli.simulation.engine.bullet.world import BulletWorld
+from somo_cli.simulation.integrator.body_stepper import Runner
+from somo_cli.simulation.integrator.half_step_start import begin
+from somo_cli.simulation.integrator.implicit_law import SpringLaw
+from somo_cli.simulation.plan.model import Plan, make_plan
 from tests.bench import hand
 from tests.loading import scene_from_text
 

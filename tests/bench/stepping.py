@@ -20,9 +20,9 @@ import numpy as np
 
 from somo_cli.arrays import Array
 from somo_cli.simulation import run as stepping
-from somo_cli.simulation.bullet import BulletWorld
-from somo_cli.simulation.bullet_body import BulletBody
-from somo_cli.simulation.plan import Plan, make_plan
+from somo_cli.simulation.engine.bullet.body import BulletBody
+from somo_cli.simulation.engine.bullet.world import BulletWorld
+from somo_cli.simulation.plan.model import Plan, make_plan
 from tests.bench.classic import leave_at_defaults
 from tests.loading import scene_from_file
 from tests.simulation.mujoco_reference import model_of

@@ -7,10 +7,10 @@ import dataclasses
 import numpy as np
 import pytest
 
-from somo_cli.calibration.doubts import doubts
 from somo_cli.calibration.fit import NothingToFit
-from somo_cli.calibration.parameters import WHATS, changed, parameters
-from somo_cli.simulation.actuation import Waypoints
+from somo_cli.calibration.fit_diagnostics import fit_diagnostics
+from somo_cli.calibration.parameters import PARAMETER_KINDS, parameters, with_factors
+from somo_cli.scene.actuation import WaypointProfile
 from tests.truth.fitted import (
     GUESS,
     TIP,
@@ -32,11 +32,11 @@ def test_it_finds_stiffness_damping_and_gain_again() -> None:
     found, measured = fitted(scene_of(**GUESS), whole)
     assert len(found.parameters) == 6
     assert max(map(abs, off(found).values())) < 0.01
-    assert found.left_over == pytest.approx(1e-4, rel=0.2)
-    assert found.first_left_over.max() > 1e-2
+    assert found.residual_rms == pytest.approx(1e-4, rel=0.2)
+    assert found.first_residual_rms.max() > 1e-2
     truth = np.array([TRUTH[one.what][one.axis] for one in found.parameters])
     assert (np.abs(found.values - truth) < 2 * found.errors).all()
-    assert list(doubts(found, measured.scatter)) == []
+    assert list(fit_diagnostics(found, measured.scatter)) == []
     # and from half of the data to three per cent
     for text in half:
         again, _ = fitted(scene_of(**GUESS), text)
@@ -72,13 +72,13 @@ def test_slow_motion_cannot_tell_stiffness_from_gain() -> None:
     scene = scene_of(damping=(4e-3, 12e-3), **slow)
     text = recorded(scene, 800, TIP, noise=5e-4)
     found, measured = fitted(scene, text, ("stiffness", "gain"))
-    said = list(doubts(found, measured.scatter))
+    said = list(fit_diagnostics(found, measured.scatter))
     assert any(
         "cannot tell the stiffness of actuator 0, axis 0 from the gain of actuator 0, axis 0" in one
         for one in said
     )
     alone, measured = fitted(scene, text, ("stiffness",))
-    assert list(doubts(alone, measured.scatter)) == []
+    assert list(fit_diagnostics(alone, measured.scatter)) == []
 
 
 def test_what_does_not_show_stays_as_it_is() -> None:
@@ -89,8 +89,8 @@ def test_what_does_not_show_stays_as_it_is() -> None:
     half = dataclasses.replace(still, manipulators=(dataclasses.replace(one, actuation=(entry,)),))
     text = recorded(half, 400, TIP[1:], noise=1e-4)
     found, measured = fitted(half, text, ("stiffness",))
-    assert [one.name for one in found.silent] == ["stiffness of actuator 0, axis 1"]
-    assert next(doubts(found, measured.scatter)) == (
+    assert [one.name for one in found.insensitive] == ["stiffness of actuator 0, axis 1"]
+    assert next(fit_diagnostics(found, measured.scatter)) == (
         "the data say nothing about the stiffness of actuator 0, axis 1: it stays at 0.3"
     )
     nowhere = recorded(half, 200, ("tip.x_m",), noise=1e-4)
@@ -102,8 +102,8 @@ def test_a_model_that_does_not_follow_is_told() -> None:
     pytest.importorskip("pybullet")
     text = recorded(scene_of(gravity=[3, 0, -9.81]), 500, TIP, noise=1e-4)
     found, measured = fitted(scene_of(), text, ("stiffness",))
-    assert found.persistence > 0.9
-    assert "what is left over is no noise" in list(doubts(found, measured.scatter))[-1]
+    assert found.autocorrelation > 0.9
+    assert "what is left over is no noise" in list(fit_diagnostics(found, measured.scatter))[-1]
 
 
 def test_times_between_the_steps_are_met() -> None:
@@ -121,7 +121,7 @@ def test_times_between_the_steps_are_met() -> None:
 
 
 def test_parameters_start_at_what_the_scene_says() -> None:
-    known = list(parameters(scene_of().manipulators[0], WHATS))
+    known = list(parameters(scene_of().manipulators[0], PARAMETER_KINDS))
     assert [(one.what, one.axis, one.guess) for one in known] == [
         ("stiffness", 0, 0.1),
         ("damping", 0, 4e-4),
@@ -136,12 +136,12 @@ def test_parameters_start_at_what_the_scene_says() -> None:
 
 def test_changed_scenes_have_their_factors() -> None:
     scene = scene_of()
-    known = list(parameters(scene.manipulators[0], WHATS))
-    (one,) = changed(scene, known, [np.log(2), 0, 0.5, 0, np.log(3), 0]).manipulators
+    known = list(parameters(scene.manipulators[0], PARAMETER_KINDS))
+    (one,) = with_factors(scene, known, [np.log(2), 0, 0.5, 0, np.log(3), 0]).manipulators
     first, second = one.compiled.chain.joints[:2]
     assert (first.stiffness, first.damping) == pytest.approx((0.2, 4e-4))
     assert (second.stiffness, second.damping) == pytest.approx((0.3, 18e-4))
-    course = one.actuation[0].course
-    assert isinstance(course, Waypoints)
-    assert course.points[1] == (0.02, pytest.approx(0.018))
+    profile = one.actuation[0].profile
+    assert isinstance(profile, WaypointProfile)
+    assert profile.points[1] == (0.02, pytest.approx(0.018))
     assert one.actuation[1] == scene.manipulators[0].actuation[1]

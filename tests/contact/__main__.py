@@ -74,7 +74,9 @@ def too_large() -> None:
                 found = f"{abs(case.figure(columns) / truth(name).figure - 1):.1e}"
                 deepest = summary.deepest
                 is_deep = deepest is not None and deepest.is_deep
-                said = f"{100 * deepest.share:.0f} % deep" if deepest and is_deep else "nothing"
+                said = (
+                    f"{100 * deepest.depth_ratio:.0f} % deep" if deepest and is_deep else "nothing"
+                )
             print(f"  {name:26}{1e3 * step:>5g} ms {found:>8}  {said}")
 
 

@@ -14,11 +14,11 @@ from unittest.mock import patch
 import numpy as np
 
 from somo_cli.arrays import Array
-from somo_cli.simulation import runner
-from somo_cli.simulation.joint_springs import Springs
-from somo_cli.simulation.runner import Runner
-from somo_cli.simulation.scene import Integrator
-from somo_cli.simulation.springs import SpringLaw
+from somo_cli.scene.model import Integrator
+from somo_cli.simulation.integrator import body_stepper
+from somo_cli.simulation.integrator.body_stepper import Runner
+from somo_cli.simulation.integrator.implicit_law import SpringLaw
+from somo_cli.simulation.plan.joint_springs import Springs
 
 MEAN_WEIGHT = 0.3  # of the newest in a running mean
 BLOW = 0.02  # rad/s: what a change of the force must do to a joint in a step to count as a blow
@@ -127,7 +127,7 @@ class Candidate:
         """Let runs follow this law."""
         held: Callable[..., int] = Runner._steps_to_hold if self.is_held else lambda *_: 1
         with (
-            patch.object(runner, "SpringLaw", self.law),
+            patch.object(body_stepper, "SpringLaw", self.law),
             patch.object(Runner, "_steps_to_hold", held),
         ):
             yield

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from somo_cli.simulation.scene import Quantity, Scene
+from somo_cli.scene.model import Quantity, Scene
 from tests.loading import scene_from_text
 from tests.manipulator.bodies import actuator, hinge, manipulator
 
@@ -64,10 +64,10 @@ def box(name: str, size: Sequence[float], position: Sequence[float], **changes: 
     return data | {"position": list(position), "friction": 1.0} | changes
 
 
-def scene_of(fingers: Sequence[Data], things: Sequence[Data] = (), **changes: Any) -> Data:
+def scene_of(fingers: Sequence[Data], objects: Sequence[Data] = (), **changes: Any) -> Data:
     """Return a scene that records what figures are read from."""
-    record = {"objects": ["pose"] if things else []}
-    return {"manipulators": list(fingers), "objects": list(things), "record": record} | changes
+    record = {"objects": ["pose"] if objects else []}
+    return {"manipulators": list(fingers), "objects": list(objects), "record": record} | changes
 
 
 def at_end(column: str) -> Callable[[Table], float]:

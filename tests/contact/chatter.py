@@ -12,10 +12,10 @@ import math
 
 import numpy as np
 
-from somo_cli.analysis.trial import recorded
+from somo_cli.analysis.recorded_run import record_rows
 from somo_cli.problems import SimulationDiverged
-from somo_cli.simulation.bullet import BulletWorld
-from somo_cli.simulation.plan import make_plan
+from somo_cli.simulation.engine.bullet.world import BulletWorld
+from somo_cli.simulation.plan.model import make_plan
 from tests.contact.candidates import Candidate
 from tests.contact.cases import dragged
 from tests.loading import scene_from_text
@@ -48,7 +48,7 @@ def shake(candidate: Candidate, dampers: float, step: float) -> float:
     plan = make_plan(scene)
     try:
         with candidate.installed():
-            angles = recorded(plan, round(SECONDS / step), BulletWorld)[:, 1:]
+            angles = record_rows(plan, round(SECONDS / step), BulletWorld)[:, 1:]
     except SimulationDiverged:
         return math.nan
     bent = angles[2:] - 2 * angles[1:-1] + angles[:-2]

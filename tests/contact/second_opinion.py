@@ -14,15 +14,15 @@ import numpy as np
 
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.urdf import render
-from somo_cli.simulation.actuation import Actuation
-from somo_cli.simulation.scene import Manipulator, Scene
-from somo_cli.simulation.things import Thing
+from somo_cli.scene.actuation import Actuation
+from somo_cli.scene.model import Manipulator, Scene
+from somo_cli.scene.rigid_object import RigidObject
 from tests.contact.cases import Case
 
 STEP = 2e-5  # s
 STIFF = (1e-4, 1.0)  # s, damping ratio: how fast a penetration recovers
 HARD = (0.99, 0.999, 1e-4, 0.5, 2.0)  # impedance at no penetration and at 0.1 mm
-MANIPULATOR, THING = 1, 2  # bits of collision: manipulators touch things only
+MANIPULATOR, THING = 1, 2  # bits of collision: manipulators touch objects only
 FLOATING = (
     '<link name="world"/><joint name="floating" type="floating">'
     '<parent link="world"/><child link="base"/></joint>'
@@ -51,7 +51,7 @@ def model_of(scene: Scene, step: float) -> mujoco.MjModel:
         spec.worldbody.add_geom(
             name="ground", type=mujoco.mjtGeom.mjGEOM_BOX, size=[50, 50, 0.5], pos=low
         )
-    for thing in scene.things:
+    for thing in scene.objects:
         _add(spec, thing)
     model = spec.compile()
     model.opt.timestep = step
@@ -83,7 +83,7 @@ def _wxyz(rotation: geometry.Matrix) -> list[float]:
     return [w, x, y, z]
 
 
-def _add(spec: mujoco.MjSpec, thing: Thing) -> None:
+def _add(spec: mujoco.MjSpec, thing: RigidObject) -> None:
     (shape,) = thing.chain.links[0].shapes
     body = spec.worldbody.add_body(
         name=thing.name,
@@ -110,7 +110,7 @@ def _set_springs(model: mujoco.MjModel, one: Manipulator) -> None:
 
 def _set_contact(model: mujoco.MjModel, scene: Scene) -> None:
     own = scene.manipulators[0].surfaces.links.friction
-    surfaces = {thing.name: thing.surface.friction for thing in scene.things}
+    surfaces = {thing.name: thing.surface.friction for thing in scene.objects}
     if scene.ground is not None:
         surfaces["ground"] = scene.ground.surface.friction
     order = sorted(set(surfaces.values()), reverse=True)
@@ -130,18 +130,18 @@ def _set_contact(model: mujoco.MjModel, scene: Scene) -> None:
 def _columns(case: Case, scene: Scene, model: mujoco.MjModel) -> dict[str, np.ndarray]:
     """Run, and return what columns of ours the figures need."""
     state = mujoco.MjData(model)
-    for thing in scene.things:
+    for thing in scene.objects:
         if not thing.is_fixed:
             at = model.jnt_dofadr[model.body(thing.name).jntadr[0]]
             state.qvel[at : at + 3] = thing.linear_velocity
     drives = [
-        (entry.course.signal(), _dofs(model, one, entry))
+        (entry.profile.signal(), _dofs(model, one, entry))
         for one in scene.manipulators
         for entry in one.actuation
     ]
     table: dict[str, list[float]] = {"time_s": []}
     first = scene.manipulators[0].name
-    watched = {thing.name for thing in scene.things if not thing.is_fixed}
+    watched = {thing.name for thing in scene.objects if not thing.is_fixed}
     steps = round(case.seconds / model.opt.timestep)
     for number in range(steps + 1):
         for signal, dofs in drives:

@@ -12,9 +12,10 @@ import numpy as np
 
 from somo_cli.arrays import Array
 from somo_cli.problems import SimulationDiverged
-from somo_cli.simulation import columns, run
-from somo_cli.simulation.bullet import BulletWorld
-from somo_cli.simulation.plan import make_plan
+from somo_cli.scene import columns
+from somo_cli.simulation import run
+from somo_cli.simulation.engine.bullet.world import BulletWorld
+from somo_cli.simulation.plan.model import make_plan
 from tests.contact.candidates import EXPLICIT, PLAIN, Candidate
 from tests.contact.cases import Case, Table, named
 
@@ -39,14 +40,14 @@ class Truth:
     spread: float
 
 
-def recorded(case: Case, step: float, candidate: Candidate = PLAIN) -> tuple[Table, run.Summary]:
+def recorded(case: Case, step: float, candidate: Candidate = PLAIN) -> tuple[Table, run.RunSummary]:
     """Run a case, and return its columns; raises SimulationDiverged."""
     scene = dataclasses.replace(case.scene(step), integrator=candidate.integrator)
     plan = make_plan(scene)
     blocks: list[Array] = []
     with candidate.installed(), BulletWorld(plan) as world:
         summary = run.run(plan, world, blocks.append, round(case.seconds / step), time.perf_counter)
-    return dict(zip(columns.header(plan), np.concatenate(blocks).T, strict=True)), summary
+    return dict(zip(columns.header(plan.recorded), np.concatenate(blocks).T, strict=True)), summary
 
 
 def trial(case: Case, step: float, candidate: Candidate = PLAIN) -> Trial:

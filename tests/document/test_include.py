@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 
 import pytest
 
-from somo_cli.document.include import include, unread
+from somo_cli.document.include import include, unresolved_references
 from somo_cli.document.parse import Document, parse
 from somo_cli.problems import InvalidFile, Problem, Span
 
@@ -82,7 +82,7 @@ def test_a_file_that_holds_no_mapping_is_not_put_in(text: str, found: str) -> No
     span = Span("a.yaml", 1, 1, 1 if text == "[1]" else len(text))
     assert problems == (Problem(span, f"expected a mapping, found {found}"),)
     assert included.data == document.data
-    assert unread(included, PLACES) == [("base",)]
+    assert unresolved_references(included, PLACES) == [("base",)]
 
 
 def test_what_is_not_at_fault_is_put_in() -> None:
@@ -90,7 +90,7 @@ def test_what_is_not_at_fault_is_put_in() -> None:
     included, problems = include(document, PLACES, opener({"a.yaml": "x: 1", "b.yaml": "y: 2"}))
     assert len(problems) == 1
     assert included.data == {"parts": [{"x": 1}, "none.yaml", {}], "base": {"y": 2}}
-    assert unread(included, PLACES) == [("parts", 1)]
+    assert unresolved_references(included, PLACES) == [("parts", 1)]
 
 
 def test_one_file_may_be_named_twice() -> None:

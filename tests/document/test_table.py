@@ -4,7 +4,7 @@ import time
 
 import pytest
 
-from somo_cli.document.table import MOST_FAULTS, Table, faults_of, read_table, require
+from somo_cli.document.table import MAX_PROBLEMS, Table, read_table, require_columns, table_problems
 from somo_cli.problems import InvalidFile, Problem, Span
 
 POINT = "are these decimal commas? write 0.5, not 0,5"
@@ -153,8 +153,8 @@ def test_faults_of_header_and_rows_come_together() -> None:
 @pytest.mark.parametrize("row", ["a,b\n", "1\n", "a,1\n", ",,\n"])
 def test_there_is_an_end_to_the_faults(row: str) -> None:
     problems = refusal("x,y\n" + row * 100)
-    assert len(problems) == MOST_FAULTS == 20
-    assert len(refusal("," * 30 + "x\n" + row * 100)) == MOST_FAULTS
+    assert len(problems) == MAX_PROBLEMS == 20
+    assert len(refusal("," * 30 + "x\n" + row * 100)) == MAX_PROBLEMS
 
 
 def test_a_long_cell_is_cut_short() -> None:
@@ -173,18 +173,18 @@ def test_a_large_table_is_read_fast() -> None:
 
 def test_a_table_with_all_that_is_required_passes() -> None:
     found = table("t,x\n0,1\n1,1\n")
-    assert faults_of(found) == []
-    assert faults_of(found, ["x"], "t", 2, "a fit") == []
-    require(found, ["x", "t"], "t", 2, "a fit")
+    assert table_problems(found) == []
+    assert table_problems(found, ["x"], "t", 2, "a fit") == []
+    require_columns(found, ["x", "t"], "t", 2, "a fit")
 
 
 def test_what_is_missing_is_named_at_the_header() -> None:
     found = table("# c\n time,bend\n0,1\n")
-    assert faults_of(found, ["time", "bent", "force", "bent"]) == [
+    assert table_problems(found, ["time", "bent", "force", "bent"]) == [
         Problem(at(2, 2, 9), "there is no column 'bent'", "did you mean 'bend'?"),
         Problem(at(2, 2, 9), "there is no column 'force'", "known columns: time, bend"),
     ]
-    assert faults_of(found, (), "tim") == [
+    assert table_problems(found, (), "tim") == [
         Problem(at(2, 2, 9), "there is no column 'tim'", "did you mean 'time'?")
     ]
 
@@ -204,19 +204,19 @@ def test_a_column_that_does_not_rise_is_named_once(
     text = "x,t\n" + "".join(f"0, {time}\n" for time in times)
     message = f"'t' must increase, found {found}"
     hint = "each 't' must be greater than the one above it"
-    assert faults_of(table(text), (), "t") == [Problem(at(row + 2, 4, width), message, hint)]
+    assert table_problems(table(text), (), "t") == [Problem(at(row + 2, 4, width), message, hint)]
 
 
 def test_all_that_is_not_as_required_is_raised_together() -> None:
     found = table("t,x\n1,1\n0,2\n")
     with pytest.raises(InvalidFile) as caught:
-        require(found, ["y"], "t", 3, "a fit of 2 parameters")
+        require_columns(found, ["y"], "t", 3, "a fit of 2 parameters")
     assert caught.value.texts == found.texts
     assert [problem.message for problem in caught.value.problems] == [
         "there is no column 'y'",
         "2 rows, but a fit of 2 parameters needs at least 3",
         "'t' must increase, found 0.0 after 1.0",
     ]
-    assert faults_of(table("t\n1\n"), (), None, 2, "a fit") == [
+    assert table_problems(table("t\n1\n"), (), None, 2, "a fit") == [
         Problem(at(1, 1), "1 row, but a fit needs at least 2")
     ]

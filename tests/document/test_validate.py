@@ -11,7 +11,7 @@ import pytest
 from somo_cli.document import validate
 from somo_cli.document.edit import embed, override
 from somo_cli.document.parse import Document, parse
-from somo_cli.document.validate import faults_of_shape, load_schema, problems_in, soundness
+from somo_cli.document.validate import load_schema, problems_in, schema_problems, soundness_test
 
 REAL = [path for folder in validate._FOLDERS for path in folder.glob("*.schema.json")]
 
@@ -297,16 +297,16 @@ def test_a_fault_of_an_override_is_placed_in_it(judge: Callable[..., Any]) -> No
 
 def test_soundness_of_pointers(judge: Callable[..., Any]) -> None:
     document = parse("n: 0\nlinks: [{shape: box}, {shape: box, mass: 1}]\n", "f")
-    faults = faults_of_shape(document, "body")
+    faults = schema_problems(document, "body")
     assert [fault.pointer for fault in faults] == [("n",), ("links", 0, "mass")]
-    is_sound = soundness(faults)
+    is_sound = soundness_test(faults)
     assert not is_sound(())
     assert not is_sound(("n",))
     assert not is_sound(("links",))
     assert not is_sound(("links", 0))
     assert is_sound(("links", 0, "shape"))
     assert is_sound(("links", 1))
-    assert soundness(())(())
+    assert soundness_test(())(())
 
 
 def test_a_long_value_is_cut_in_the_message(judge: Callable[..., Any]) -> None:

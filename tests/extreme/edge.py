@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from somo_cli.analysis.modes import NotAnInertia
-from somo_cli.analysis.stability import outlook_of
+from somo_cli.analysis.modes import SingularInertia
+from somo_cli.analysis.stability import forecast_of
 from somo_cli.problems import EngineRefused, SimulationDiverged
 from tests.extreme.case import Case
 from tests.loading import rows_of
@@ -42,8 +42,8 @@ def predicted_limit(case: Case) -> float | None:
     """Return the largest explicit step [s] by the product's own prediction."""
     plan = case.plan("explicit", case.time_step, 1)
     try:
-        return outlook_of(plan, plan.bodies[0]).explicit_step
-    except NotAnInertia:
+        return forecast_of(plan, plan.bodies[0]).explicit_step
+    except SingularInertia:
         return None
 
 

@@ -7,8 +7,8 @@ import numpy as np
 from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
-from somo_cli.simulation.dynamics import ChainDynamics, ChainPose
-from somo_cli.simulation.plan import Body, Plan
+from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics, ChainPose
+from somo_cli.simulation.plan.model import Body, Plan
 
 
 def equilibrium(plan: Plan, angles: Array) -> ChainPose | None:

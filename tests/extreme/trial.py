@@ -10,10 +10,10 @@ import numpy as np
 
 from somo_cli.arrays import Array
 from somo_cli.problems import EngineRefused, SimulationDiverged
+from somo_cli.scene.model import Integrator
 from somo_cli.simulation import run
-from somo_cli.simulation.bullet import BulletWorld
-from somo_cli.simulation.plan import Plan
-from somo_cli.simulation.scene import Integrator
+from somo_cli.simulation.engine.bullet.world import BulletWorld
+from somo_cli.simulation.plan.model import Plan
 from tests.extreme.case import Case
 from tests.extreme.statics import equilibrium, slowest_decay
 from tests.simulation.test_physics import momentum

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from somo_cli.analysis.numerics import judge
+from somo_cli.analysis.numerics import assess
 from tests.extreme.case import Case
 from tests.extreme.edge import MARGIN, Edge, edge
 from tests.extreme.trial import SHOWN_GAIN, TOO_FAST, Outcome, outcome
@@ -64,7 +64,7 @@ class Verdict:
 def verdict(case: Case) -> Verdict:
     """Run a case with every integrator and on both sides of the explicit limit."""
     plan = case.plan("implicit", case.time_step, 1)
-    found = judge(plan, case.document, {}).findings
+    found = assess(plan, case.document, {}).findings
     codes = {one.code or "document" for one in found if one.severity in ("error", "warning")}
     return Verdict(
         case,

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from somo_cli.manipulator import chain, read, urdf
-from somo_cli.manipulator.compile import compile_definition, compile_sound, faults
+from somo_cli.manipulator.compile import compile_definition, compile_sound, document_problems
 from somo_cli.manipulator.dimensions import Scale, scaled
 from somo_cli.problems import InvalidFile
 from tests.manipulator.bodies import (
@@ -68,11 +68,11 @@ def test_warnings_do_not_stop_it() -> None:
     assert [problem.message for problem in found.warnings] == [
         "a cylinder has [height, radius]; the third value is ignored"
     ]
-    assert tuple(found.warnings) == faults(document)
+    assert tuple(found.warnings) == document_problems(document)
 
 
 def test_a_sound_document_has_no_faults() -> None:
-    assert faults(document_of(EVERYTHING)) == ()
+    assert document_problems(document_of(EVERYTHING)) == ()
 
 
 def test_a_definition_inside_a_scene() -> None:

@@ -33,7 +33,7 @@ def chain() -> Chain:
 
 
 @dataclass(frozen=True)
-class Thing:
+class RigidObject:
     name: str
     count: int
     angle: Angle
@@ -57,11 +57,11 @@ class Part:
 
 
 def test_every_quantity_scales_by_its_dimension() -> None:
-    thing = Thing(
+    thing = RigidObject(
         "a", 2, 3.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, (1.0, 2.0, 3.0), (1.0, 2.0), 1.0, None,
         Part(1.0, 7.0),
     )  # fmt: skip
-    assert scaled(thing, Scale(length=20, mass=3)) == Thing(
+    assert scaled(thing, Scale(length=20, mass=3)) == RigidObject(
         "a", 2, 3.0, 20.0, 3.0, 1200.0, 1200.0, 1.0, 20.0, (20.0, 40.0, 60.0), (20.0, 40.0), 20.0,
         None, Part(1200.0, 7.0),
     )  # fmt: skip

@@ -28,7 +28,7 @@ from somo_cli.files import open_reference
 from somo_cli.manipulator import compile as compiler
 from somo_cli.manipulator.compile import Compiled
 from somo_cli.manipulator.dimensions import Scale
-from somo_cli.manipulator.verify import require_equal
+from somo_cli.manipulator.urdf_readback import require_equal
 from tests.manipulator.bodies import in_bullet
 
 ROOT = Path(__file__).parents[2]
@@ -39,7 +39,7 @@ def document_of(path: Path) -> Document:
     document = parse(path.read_text("utf-8"), str(path))
     if isinstance(document.data, dict) and "manipulators" in document.data:
         return document
-    whole, problems = include(document, compiler.PLACES_OF_FILES, open_reference)
+    whole, problems = include(document, compiler.FILE_POINTERS, open_reference)
     assert problems == ()
     return whole
 

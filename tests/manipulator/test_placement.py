@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from somo_cli.manipulator import compile as compiler
-from somo_cli.manipulator.placement import gauss, layout
-from somo_cli.manipulator.segments import cut
+from somo_cli.manipulator.joint_placement import gauss, layout
+from somo_cli.manipulator.resegmentation import cut
 from tests.manipulator.bodies import (
     BOX,
     SPHERE,
@@ -118,8 +118,10 @@ def test_cut_anew_the_joints_stand_at_gauss_points_again() -> None:
 
 def test_spheres_have_no_length_to_change() -> None:
     body = actuator(4, X, joint_placement="gauss", link_definition=SPHERE)
-    (problem,) = compiler.faults(document_of(manipulator(body)))
+    (problem,) = compiler.document_problems(document_of(manipulator(body)))
     assert "not spheres" in problem.message
     even = actuator(4, X, joint_placement="uniform", link_definition=SPHERE)
-    assert compiler.faults(document_of(manipulator(even))) == ()
-    assert compiler.faults(document_of(manipulator({**body, "link_definition": BOX}))) == ()
+    assert compiler.document_problems(document_of(manipulator(even))) == ()
+    assert (
+        compiler.document_problems(document_of(manipulator({**body, "link_definition": BOX}))) == ()
+    )

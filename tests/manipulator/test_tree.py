@@ -15,8 +15,8 @@ from somo_cli.manipulator.compile import Compiled, compile_definition
 from somo_cli.manipulator.dimensions import Scale
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.manipulator.urdf import render
-from somo_cli.manipulator.verify import require_equal
-from somo_cli.simulation.dynamics import ChainDynamics
+from somo_cli.manipulator.urdf_readback import require_equal
+from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from tests.manipulator.bodies import (
     BOX,
     CAPSULE,

@@ -10,7 +10,7 @@ import pytest
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.dimensions import Scale, scaled
 from somo_cli.manipulator.urdf import render
-from somo_cli.manipulator.verify import require_equal
+from somo_cli.manipulator.urdf_readback import require_equal
 from somo_cli.problems import EngineRefused
 from tests.manipulator.bodies import (
     BOX,
@@ -149,14 +149,14 @@ def test_more_than_a_tip_frame_is_refused(chain: Chain, extra: str, reason: str)
 def test_poses_are_compared_by_the_other_programs_own_kinematics(
     chain: Chain, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from somo_cli.manipulator import verify
+    from somo_cli.manipulator import urdf_readback
 
-    real = verify.kinematics.link_poses
+    real = urdf_readback.kinematics.link_poses
 
     def bent_the_other_way(chain: Chain, angles: list[float], base: Any) -> Any:
         return real(chain, [-angle for angle in angles], base)
 
-    monkeypatch.setattr(verify.kinematics, "link_poses", bent_the_other_way)
+    monkeypatch.setattr(urdf_readback.kinematics, "link_poses", bent_the_other_way)
     reason = refusal(render(chain), chain)
     assert "orientation of 'actuator_0_segment_01', bent" in reason
     assert "position of 'actuator_0_segment_02', bent" in reason

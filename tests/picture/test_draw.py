@@ -10,13 +10,13 @@ import pytest
 
 from somo_cli.picture import shading, shadows
 from somo_cli.picture.camera import VIEWS, Camera, framing
-from somo_cli.picture.draw import Look, pictures, square_of
+from somo_cli.picture.draw import PictureSettings, pictures, tile_edge
+from somo_cli.picture.drawn_parts import framed_points, parts_of, poses_at
 from somo_cli.picture.facets import Array
-from somo_cli.picture.recording import Recording, drawn
-from somo_cli.picture.stage import framed_points, parts_of, poses_at
+from somo_cli.picture.recorded_motion import RecordedMotion, drawn
 from somo_cli.picture.tiny_renderer import TinyRenderer
-from somo_cli.simulation import columns
-from somo_cli.simulation.plan import make_plan
+from somo_cli.scene import columns
+from somo_cli.simulation.plan.model import make_plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
 
 pytest.importorskip("pybullet")
@@ -35,12 +35,14 @@ objects:
 """
 
 
-def recording(name: str, time: float) -> Recording:
+def recording(name: str, time: float) -> RecordedMotion:
     scene = drawn(scene_from_file(name))
     steps = round(time / scene.time_step)
     scene = dataclasses.replace(scene, every=max(steps, 1))
-    names = columns.header(make_plan(scene))
-    return Recording(scene, dict(zip(names, zip(*rows_of(scene, steps), strict=True), strict=True)))
+    names = columns.header(make_plan(scene).recorded)
+    return RecordedMotion(
+        scene, dict(zip(names, zip(*rows_of(scene, steps), strict=True), strict=True))
+    )
 
 
 @pytest.mark.slow
@@ -52,7 +54,7 @@ def test_everything_that_can_be_seen_is_in_the_picture_and_nothing_at_its_edge(n
     camera = framing(framed_points(parts, poses), VIEWS["oblique"], (640, 480))
     with TinyRenderer(parts, 1.0) as renderer:
         renderer.place(poses)
-        raster = renderer.look(camera, (640, 480), shadows.light_direction(camera))
+        raster = renderer.render(camera, (640, 480), shadows.light_direction(camera))
     seen = {(parts[one].body, parts[one].link) for one in np.unique(raster.parts) if one >= 0}
     bodies = {part.body for part in parts}
     assert {body for body, _ in seen} == bodies
@@ -65,7 +67,7 @@ def test_everything_that_can_be_seen_is_in_the_picture_and_nothing_at_its_edge(n
 @pytest.mark.slow
 def test_a_picture_of_a_moment_is_the_same_every_time_and_not_that_of_another() -> None:
     told = recording("lift_scene.yaml", 0.5)
-    look = Look(VIEWS["oblique"], SMALL)
+    look = PictureSettings(VIEWS["oblique"], SMALL)
     first, again = next(pictures(told, [0.5], look)), next(pictures(told, [0.5], look))
     assert first.shape == (120, 160, 3)
     assert first.dtype == np.uint8
@@ -76,7 +78,7 @@ def test_a_picture_of_a_moment_is_the_same_every_time_and_not_that_of_another() 
 @pytest.mark.slow
 def test_one_camera_takes_all_pictures_of_a_film() -> None:
     told = recording("lift_scene.yaml", 1.2)
-    first, last = pictures(told, [0.0, 1.2], Look(VIEWS["oblique"], SMALL))
+    first, last = pictures(told, [0.0, 1.2], PictureSettings(VIEWS["oblique"], SMALL))
     # the corner of the ground nearest to the camera has nothing on it, and does not move
     assert np.array_equal(first[-20:, -20:], last[-20:, -20:])
     assert not np.array_equal(first, last)
@@ -84,7 +86,7 @@ def test_one_camera_takes_all_pictures_of_a_film() -> None:
 
 def test_a_body_throws_its_shadow_away_from_the_light() -> None:
     scene = scene_from_text(BALL)
-    told = Recording(drawn(scene), _still(scene.manipulators[0].compiled.chain))
+    told = RecordedMotion(drawn(scene), _still(scene.manipulators[0].compiled.chain))
     parts = parts_of(scene)
     poses = poses_at(scene, parts, told.at(0.0))
     points = framed_points(parts, poses)
@@ -109,11 +111,15 @@ def test_a_body_throws_its_shadow_away_from_the_light() -> None:
 def test_the_ground_is_in_squares_where_there_is_one() -> None:
     scene = scene_from_text(BALL)
     still = _still(scene.manipulators[0].compiled.chain)
-    assert square_of(Recording(scene, still), [0.0]) == pytest.approx(0.02)
+    assert tile_edge(RecordedMotion(scene, still), [0.0]) == pytest.approx(0.02)
     bare = dataclasses.replace(scene, ground=None)
-    assert square_of(Recording(bare, still), [0.0]) is None
-    (with_ground,) = pictures(Recording(scene, still), [0.0], Look(VIEWS["oblique"], SMALL))
-    (without,) = pictures(Recording(bare, still), [0.0], Look(VIEWS["oblique"], SMALL))
+    assert tile_edge(RecordedMotion(bare, still), [0.0]) is None
+    (with_ground,) = pictures(
+        RecordedMotion(scene, still), [0.0], PictureSettings(VIEWS["oblique"], SMALL)
+    )
+    (without,) = pictures(
+        RecordedMotion(bare, still), [0.0], PictureSettings(VIEWS["oblique"], SMALL)
+    )
     assert (without[-1] == 255).all()
     greys = set(np.unique(with_ground[-1]).tolist())
     assert {round(tile) for tile in shading.TILES} <= greys
@@ -125,7 +131,7 @@ def _still(chain: object) -> dict[str, tuple[float, ...]]:
 
 
 def _pixel(camera: Camera, point: Array, size: int) -> tuple[int, int]:
-    across, upward, _ = camera.seen(point)
+    across, upward, _ = camera.project(point)
     return round((across + 1) * size / 2), round(size - 1 - (upward + 1) * size / 2)
 
 
@@ -134,7 +140,7 @@ def _dark(camera: Camera, parts: object, poses: object, lamp: shadows.Lamp, ligh
     size = (400, 400)
     with TinyRenderer(parts, 0.1) as renderer:  # type: ignore[arg-type]
         renderer.place(poses)  # type: ignore[arg-type]
-        seen = renderer.look(lamp.camera, (shadows.MAP, shadows.MAP), light)
+        seen = renderer.render(lamp.camera, (shadows.MAP, shadows.MAP), light)
     away = -camera.eye[2] / camera.rays(size)[2]
     found = shadows.Shadows(camera, size, light).dark(np.arange(160_000), away, lamp, seen)
     return found.reshape(400, 400)

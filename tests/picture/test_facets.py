@@ -11,11 +11,13 @@ from somo_cli.manipulator import solids
 from somo_cli.manipulator.hull import Hull
 from somo_cli.manipulator.round_solids import Capsule, RoundedBox
 from somo_cli.manipulator.solids import AnySolid, Box, Cylinder, Sphere
-from somo_cli.picture.facets import AROUND, Facets, facets
+from somo_cli.picture.facets import FACETS_AROUND_AXIS, Facets, facets
 
 CORNERS = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 2.0, 0.0), (0.0, 0.0, 3.0))
 TETRAHEDRON = Hull(CORNERS, ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)))
-ROUND = math.sin(2 * math.pi / AROUND) * AROUND / (2 * math.pi)  # a polygon by its circle, in area
+ROUND = (
+    math.sin(2 * math.pi / FACETS_AROUND_AXIS) * FACETS_AROUND_AXIS / (2 * math.pi)
+)  # a polygon by its circle, in area
 
 
 def volume(found: Facets) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from somo_cli.picture.shading import smoothed, square_of
+from somo_cli.picture.shading import smoothed, tile_edge
 
 
 @pytest.mark.parametrize(
@@ -13,7 +13,7 @@ from somo_cli.picture.shading import smoothed, square_of
     [(0.19, 0.05), (0.2, 0.1), (1.0, 0.5), (0.039, 0.01), (0.04, 0.02), (3e-4, 1e-4), (7.0, 2.0)],
 )
 def test_squares_are_one_two_or_five_times_a_power_of_ten(radius: float, square: float) -> None:
-    assert square_of(radius) == pytest.approx(square)
+    assert tile_edge(radius) == pytest.approx(square)
 
 
 def test_a_pixel_is_the_mean_of_those_it_stands_for() -> None:

@@ -10,31 +10,33 @@ import matplotlib
 import numpy as np
 import pytest
 
-from somo_cli.analysis.errors import Error
-from somo_cli.analysis.instants import common
+from somo_cli.analysis.common_instants import common_instants
+from somo_cli.analysis.errors import ErrorSummary
 from somo_cli.analysis.reference import Reference
-from somo_cli.analysis.study import Case, Cut, Question, Study
+from somo_cli.analysis.study import Discretization, Study, StudyCase, StudySettings
 from somo_cli.picture.work_precision import draw
 from tests.loading import scene_from_file
 
 
-def study(segments: tuple[int | None, ...] = (None,), model: Error | None = None) -> Study:
+def study(segments: tuple[int | None, ...] = (None,), model: ErrorSummary | None = None) -> Study:
     """Return a made-up study in which halving the step quarters the error and doubles the time."""
     steps = (4e-3, 2e-3, 1e-3)
-    question = Question(steps, ("implicit", "explicit"), segments, common(steps, 1.0), 1)
+    question = StudySettings(
+        steps, ("implicit", "explicit"), segments, common_instants(steps, 1.0), 1
+    )
     known = {"tip_position": 1e-9, "joint_angles": 1e-9, "energy": 1e-9}
     reference = Reference(np.zeros((1, 1)), known, known, known, 1e-4)  # type: ignore[arg-type]
-    cuts = tuple(Cut(count, 10, reference, 0.1, 1.0, model) for count in segments)
+    cuts = tuple(Discretization(count, 10, reference, 0.1, 1.0, model) for count in segments)
     cases = []
     for count in segments:
         for step in steps:
-            error = Error(step**2, step**2, step**2)
+            error = ErrorSummary(step**2, step**2, step**2)
             errors = {"tip_position": error, "joint_angles": error, "energy": error}
-            case = Case(
+            case = StudyCase(
                 count, "implicit", step, round(1 / step), "ok", "", 0.01 / step / 100, errors
             )  # type: ignore[arg-type]
             cases.append(case)
-        cases.append(Case(count, "explicit", 4e-3, 250, "diverged", "why"))
+        cases.append(StudyCase(count, "explicit", 4e-3, 250, "diverged", "why"))
     error = math.nan if model is None else 1e-6
     name = "" if model is None else "elastica"
     return Study(question, scene_from_file("scene.yaml"), cuts, tuple(cases), name, error)
@@ -60,7 +62,7 @@ def test_curves_steps_and_lines_are_labelled() -> None:
 
 
 def test_segments_and_the_error_of_the_chain_are_told() -> None:
-    model = Error(1e-4, 1e-4, 1e-4)
+    model = ErrorSummary(1e-4, 1e-4, 1e-4)
     written = texts(draw(study((5, 10), model), "finger")["svg"])
     assert {"implicit, 5 segments", "implicit, 10 segments"} <= set(written)
     assert "error of the chain, 5 segments" in written

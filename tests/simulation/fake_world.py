@@ -10,9 +10,9 @@ import numpy as np
 
 from somo_cli.manipulator.geometry import ZERO, Vector
 from somo_cli.manipulator.kinematics import Pose
-from somo_cli.simulation.plan import Body, Plan, make_plan
-from somo_cli.simulation.touching import Place, Touch
-from somo_cli.simulation.world import WorldThing
+from somo_cli.simulation.engine.contacts import Place, Touch
+from somo_cli.simulation.engine.interface import WorldThing
+from somo_cli.simulation.plan.model import Body, Plan, make_plan
 from tests.loading import scene_from_text
 from tests.manipulator.bodies import actuator, hinge, manipulator
 
@@ -111,7 +111,7 @@ class FakeWorld:
 
     def __init__(self, plan: Plan, load: float = 0.0) -> None:
         self.bodies = [FakeBody(body, plan.time_step, load) for body in plan.bodies]
-        self.things: list[WorldThing] = []
+        self.objects: list[WorldThing] = []
         self.depths: list[tuple[Place, Place, float]] = []
         self.at_step: dict[int, Callable[[], None]] = {}
         self.steps = 0

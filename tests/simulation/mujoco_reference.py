@@ -11,9 +11,9 @@ import numpy as np
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.manipulator.urdf import render
-from somo_cli.simulation.motion import Motion, Path
-from somo_cli.simulation.scene import Load
-from somo_cli.simulation.signal import Signal, through
+from somo_cli.scene.model import ExternalLoad
+from somo_cli.scene.prescribed_motion import PosePath, PrescribedMotion
+from somo_cli.scene.signals import PiecewiseSignal, piecewise_signal
 
 FLOATING = (
     '<link name="world"/><joint name="floating" type="floating">'
@@ -107,14 +107,14 @@ def trajectory(
 
 
 def trajectory_under_loads(
-    model: mujoco.MjModel, loads: Sequence[Load], times: Sequence[float]
+    model: mujoco.MjModel, loads: Sequence[ExternalLoad], times: Sequence[float]
 ) -> np.ndarray:
     """Return qpos at the times, from rest at zero, with loads [SI] evaluated in every stage.
 
     The model's bodies are the links in order; a base that is not free is none of them.
     """
     is_free = model.nq > model.nv
-    signals = [through(load.waypoints, load.interpolation, load.repeat) for load in loads]
+    signals = [piecewise_signal(load.waypoints, load.interpolation, load.repeat) for load in loads]
 
     def push(model: mujoco.MjModel, state: mujoco.MjData) -> None:
         state.xfrc_applied[:] = 0
@@ -141,13 +141,15 @@ def trajectory_under_loads(
     return np.array(rows)
 
 
-def led_trajectory(model: mujoco.MjModel, motion: Motion, times: Sequence[float]) -> np.ndarray:
+def led_trajectory(
+    model: mujoco.MjModel, motion: PrescribedMotion, times: Sequence[float]
+) -> np.ndarray:
     """Return joint angles at the times, shape (len(times), n), of a base at the origin that is led.
 
     The model is one of `model_of` with six joints before those of the chain, whose motion is given;
     the others start at rest. M q'' = forces - M_led a, by Runge and Kutta's method.
     """
-    path: Path = motion.path_from(Pose())
+    path: PosePath = motion.path_from(Pose())
     signals = (*path.translation, *reversed(path.rotation))
     state = mujoco.MjData(model)
     n = model.nv - 6
@@ -178,7 +180,7 @@ def led_trajectory(model: mujoco.MjModel, motion: Motion, times: Sequence[float]
     return np.array(rows)
 
 
-def _derivatives(one: Signal, time: float) -> tuple[float, float, float]:
+def _derivatives(one: PiecewiseSignal, time: float) -> tuple[float, float, float]:
     """Return value, first and second derivative of a signal."""
     index = max(bisect_right(one.times, time) - 1, 0)
     _, c1, c2, c3 = one.pieces[index]

@@ -12,12 +12,14 @@ import pytest
 
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
-from somo_cli.simulation import columns, energy, pace, run
-from somo_cli.simulation.bullet import BulletWorld
-from somo_cli.simulation.dynamics import ChainDynamics
-from somo_cli.simulation.loads import generalised, stiffness_of
-from somo_cli.simulation.plan import make_plan
-from somo_cli.simulation.scene import Scene
+from somo_cli.scene import columns
+from somo_cli.scene.model import Scene
+from somo_cli.simulation import run
+from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
+from somo_cli.simulation.dynamics.external_loads import generalised, stiffness_of
+from somo_cli.simulation.engine.bullet.world import BulletWorld
+from somo_cli.simulation.integrator import energy_bound, refresh_policy
+from somo_cli.simulation.plan.model import make_plan
 from tests.loading import rows_of, scene_from_text
 from tests.simulation.mujoco_reference import model_of
 from tests.simulation.test_physics import momentum
@@ -90,8 +92,8 @@ def test_each_limb_of_a_held_body_moves_as_it_does_alone(
 ) -> None:
     # a body's inertia is renewed once all its joints together have moved so far, which is sooner
     # with two limbs: without that nothing but rounding is left
-    monkeypatch.setattr(pace, "SWIFT_REFRESH", 0.0)
-    monkeypatch.setattr(pace, "CALM_PHASE", 0.0)
+    monkeypatch.setattr(refresh_policy, "SWIFT_REFRESH", 0.0)
+    monkeypatch.setattr(refresh_policy, "CALM_PHASE", 0.0)
     assert apart_from_alone(integrator, step) < 1e-14
 
 
@@ -143,7 +145,9 @@ def by_mujoco(scene: Scene, step: float) -> np.ndarray:
     # linear velocity of the frame's origin in the world, spin in the body's own axes
     state.qvel[:3] = one.linear_velocity
     state.qvel[3:6] = geometry.rotate(geometry.transposed(rotation), one.angular_velocity)
-    by_channel = {(entry.actuator, entry.axis): entry.course.constant for entry in one.actuation}
+    by_channel = {
+        (entry.actuator, entry.axis): entry.profile.constant_value for entry in one.actuation
+    }
     torques = [by_channel[joint.actuator, joint.channel] for joint in chain.joints]
     state.qfrc_applied[6:] = torques
     rows = []
@@ -219,7 +223,7 @@ def test_the_columns_are_named_and_read_by_limb() -> None:
     scene = pair("static", every=500)
     scene = dataclasses.replace(scene, columns=("tip_position", "actuation", "curvatures"))
     plan = make_plan(scene)
-    names = columns.header(plan)
+    names = columns.header(plan.recorded)
     last = dict(zip(names, rows_of(plan, 500)[-1], strict=True))
     ends = [f"{limb}_tip.{axis}_m" for limb in ("left", "right") for axis in "xyz"]
     assert names[1:7] == [f"pair.{end}" for end in ends]
@@ -243,7 +247,7 @@ def test_a_wave_runs_through_limbs_and_within_them_through_actuators() -> None:
     )
     (first, second) = scene.manipulators[0].actuation
     assert [first.actuator, second.actuator] == [1, 0]
-    phases = [entry.course.wave.phase for entry in (first, second)]  # type: ignore[union-attr]
+    phases = [entry.profile.wave.phase for entry in (first, second)]  # type: ignore[union-attr]
     assert phases == [0.0, -0.25]
 
 
@@ -255,7 +259,7 @@ def test_the_watch_follows_every_limb_from_the_body() -> None:
         text = f"assembly_name: pair\nbody_definition: {BODY}\nlimbs: [{kept}]\n"
         body = make_plan(scene_from_text(text)).bodies[0]
         root = body.chain.links[0].inertial
-        return energy._fall(body) - 2 * root.mass * geometry.norm(root.centre)
+        return energy_bound._fall(body) - 2 * root.mass * geometry.norm(root.centre)
 
     left, right = beyond_the_root(("left",)), beyond_the_root(("right",))
     assert left > 0 < right

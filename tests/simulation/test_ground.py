@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from somo_cli.document.parse import parse
-from somo_cli.simulation import meaning
-from somo_cli.simulation.plan import make_plan
-from somo_cli.simulation.scene import Scene
+from somo_cli.scene.checks import scene as scene_checks
+from somo_cli.scene.model import Scene
+from somo_cli.simulation.plan.model import make_plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.manipulator.bodies import Data
 
@@ -178,7 +178,10 @@ def test_a_snake_wriggles_on_the_ground_alike_at_every_step() -> None:
 
 
 def told(data: Data) -> list[str]:
-    return [problem.message for problem in meaning.faults(parse(json.dumps(data), "a.json"))]
+    return [
+        problem.message
+        for problem in scene_checks.scene_problems(parse(json.dumps(data), "a.json"))
+    ]
 
 
 def test_what_starts_in_the_ground_is_told() -> None:

@@ -12,13 +12,13 @@ import pytest
 import scipy.integrate
 
 from somo_cli.manipulator import geometry
-from somo_cli.simulation import columns, thing_shapes
-from somo_cli.simulation.plan import make_plan
+from somo_cli.scene import columns, object_shapes
+from somo_cli.simulation.plan.model import make_plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.manipulator.bodies import Data
-from tests.simulation.test_compound import SCALES, G, slop
-from tests.simulation.test_mesh import corners, obj
-from tests.simulation.test_things import run, scene_of
+from tests.scene.test_compound import SCALES, G, slop
+from tests.scene.test_mesh import corners, obj
+from tests.scene.test_rigid_object import run, scene_of
 
 SIZE = (0.06, 0.06, 0.06)
 
@@ -53,7 +53,10 @@ def test_parts_side_by_side_rest_as_one(scale: float) -> None:
     other = corners((0.06, 0.03, 0.06), (0.0, 0.015, 0.0))
     files = [{"source": f"{n}.obj", "text": obj(part)} for n, part in enumerate((one, other))]
     pair = {**CUBE, "mesh": files, "position": [0, 0, 0.03]}
-    whole, parts = thing_shapes.link(CUBE).inertial, thing_shapes.link(pair).inertial
+    whole, parts = (
+        object_shapes.object_link(CUBE).inertial,
+        object_shapes.object_link(pair).inertial,
+    )
     assert parts.mass == whole.mass
     assert parts.centre == pytest.approx(whole.centre, abs=1e-12)
     assert parts.inertia == pytest.approx(whole.inertia, abs=1e-12)
@@ -144,7 +147,7 @@ def turned_by_euler(size: Any, mass: float, spin: np.ndarray, time: float) -> np
 def test_a_finger_pushes_it_as_far_as_the_box(kind: str) -> None:
     pytest.importorskip("pybullet")
     scene = scene_from_file("push_scene.yaml")
-    box = scene.things[0]
+    box = scene.objects[0]
     edges = (0.04, 0.04, 0.04)
     halves = [corners((0.04, 0.02, 0.04), (0.0, y, 0.0)) for y in (-0.01, 0.01)]
     parts = [{"source": "a.obj", "text": obj(half)} for half in halves]
@@ -153,12 +156,12 @@ def test_a_finger_pushes_it_as_far_as_the_box(kind: str) -> None:
         "mesh": mesh_of(corners(edges, geometry.ZERO)),
         "parts": {"shape_type": "mesh", "mesh": parts},
     }
-    link = thing_shapes.link({**made[kind], "mass": 0.01})
+    link = object_shapes.object_link({**made[kind], "mass": 0.01})
     other = dataclasses.replace(box, chain=dataclasses.replace(box.chain, links=(link,)))
     ends = []
     for thing in (box, other):
-        plan = make_plan(dataclasses.replace(scene, things=(thing,)))
-        row = dict(zip(columns.header(plan), rows_of(plan, 2000)[-1], strict=True))
+        plan = make_plan(dataclasses.replace(scene, objects=(thing,)))
+        row = dict(zip(columns.header(plan.recorded), rows_of(plan, 2000)[-1], strict=True))
         ends.append(row["cube.pose.y_m"])
     assert ends[0] > 0.07
     assert ends[1] == pytest.approx(ends[0], abs=1e-4)
@@ -184,7 +187,7 @@ def test_a_urdf_body_stands_on_its_lowest_shape() -> None:
     assert np.abs(found["z_m"] - 0.01).max() < 4e-6
     assert found["z_m"][-1] == pytest.approx(0.01, abs=slop(20))
     assert found["fz_n"][-1] == pytest.approx(0.2 * G, rel=1e-6)
-    assert thing_shapes.link(data).inertial.centre == (0, 0, 0.01)
+    assert object_shapes.object_link(data).inertial.centre == (0, 0, 0.01)
     # upside down it stands on the end of the cylinder
     scene = scene_from_text(json.dumps(scene_of({**data, "rpy": [math.pi, 0, 0]})))
-    assert len(scene.things[0].chain.links[0].shapes) == 2
+    assert len(scene.objects[0].chain.links[0].shapes) == 2

@@ -9,10 +9,10 @@ import json
 import pytest
 
 import somo_cli
-from somo_cli.simulation.explanation import plain
 from somo_cli.simulation.metadata import metadata
-from somo_cli.simulation.plan import make_plan
-from somo_cli.simulation.run import Summary
+from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan_report import plain_data
+from somo_cli.simulation.run import RunSummary
 from tests.loading import scene_from_file
 
 KEYS = [
@@ -29,7 +29,7 @@ OF_THE_RUN = {"run_time_s", "steps_per_second", "real_time_factor"}
 def found() -> dict[str, object]:
     plan = make_plan(scene_from_file("scene.yaml"))
     inputs = {"scene.yaml": "manipulators: ü\n", "finger.yaml": ""}
-    return metadata(plan, Summary(500, 51, 0.25), inputs, ["a=1", "b=2"], ["time_s", "x"])
+    return metadata(plan, RunSummary(500, 51, 0.25), inputs, ["a=1", "b=2"], ["time_s", "x"])
 
 
 def test_the_keys(found: dict[str, object]) -> None:
@@ -53,7 +53,7 @@ def test_the_values(found: dict[str, object]) -> None:
         "stopped_by": None,
         "record_every": 10,
         "rows": 51,
-        "plan": plain(make_plan(scene_from_file("scene.yaml"))),
+        "plan": plain_data(make_plan(scene_from_file("scene.yaml"))),
         "columns": ["time_s", "x"],
         "world_scale": {"length": 20.0, "mass": 1.0},
         "manipulators": {"finger": {"base": "static", "joints": 10}},
@@ -75,13 +75,13 @@ def test_it_is_plain_json(found: dict[str, object]) -> None:
 
 def test_a_run_too_short_to_measure_has_no_speed() -> None:
     plan = make_plan(scene_from_file("scene.yaml"))
-    found = metadata(plan, Summary(0, 1, 0.0), {}, [], [])
+    found = metadata(plan, RunSummary(0, 1, 0.0), {}, [], [])
     assert (found["steps_per_second"], found["real_time_factor"]) == (None, None)
 
 
 def test_only_the_run_time_differs_between_equal_runs() -> None:
     plan = make_plan(scene_from_file("scene.yaml"))
-    summary = Summary(10, 2, 0.5)
+    summary = RunSummary(10, 2, 0.5)
     other = dataclasses.replace(summary, wall_time=0.7)
     one, two = (metadata(plan, each, {"a": "b"}, [], ["c"]) for each in (summary, other))
     assert {key for key in KEYS if one[key] != two[key]} == OF_THE_RUN

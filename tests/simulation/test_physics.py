@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from somo_cli.manipulator import geometry
+from somo_cli.scene.model import Scene
 from somo_cli.simulation import run
-from somo_cli.simulation.bullet import BulletWorld
-from somo_cli.simulation.plan import Plan, make_plan
-from somo_cli.simulation.scene import Scene
+from somo_cli.simulation.engine.bullet.world import BulletWorld
+from somo_cli.simulation.plan.model import Plan, make_plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.simulation.mujoco_reference import model_of, trajectory
 

@@ -14,8 +14,8 @@ import pytest
 
 from somo_cli.arrays import Array
 from somo_cli.problems import EngineRefused, SimulationDiverged
-from somo_cli.simulation.plan import Plan, make_plan
-from somo_cli.simulation.run import Summary, run
+from somo_cli.simulation.plan.model import Plan, make_plan
+from somo_cli.simulation.run import RunSummary, run
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.simulation.fake_world import FakeWorld, plan_of_hinges
 
@@ -29,7 +29,7 @@ class Ended:
     def __init__(self, plan: Plan, world: FakeWorld, steps: int) -> None:
         self.rows: list[list[float]] = []
         self.reported: list[int] = []
-        self.summary: Summary | None = None
+        self.summary: RunSummary | None = None
         self.error: SimulationDiverged | None = None
         ticks = iter([10.0, 12.5])
 
@@ -61,7 +61,7 @@ def test_a_row_for_every_recorded_step(
     ended = Ended(plan, FakeWorld(plan), steps)
     expected = [every * row / 1000 for row in range(steps // every + 1)]
     assert ended.times == pytest.approx(expected, rel=1e-12)
-    assert ended.summary == Summary(steps, steps // every + 1, 2.5)
+    assert ended.summary == RunSummary(steps, steps // every + 1, 2.5)
     # what a progress bar is told only grows, and ends where the run does
     assert ended.reported[0] == 0
     assert ended.reported[-1] == steps

@@ -15,8 +15,8 @@ import numpy as np
 
 from somo_cli.arrays import Array
 from somo_cli.simulation import run as stepping
-from somo_cli.simulation.bullet import BulletWorld
-from somo_cli.simulation.plan import make_plan
+from somo_cli.simulation.engine.bullet.world import BulletWorld
+from somo_cli.simulation.plan.model import make_plan
 from tests.bench.classic import classic_loop
 from tests.bench.hand import timed_engine
 from tests.loading import scene_from_file
@@ -81,7 +81,7 @@ def classic(seconds: float = SECONDS) -> tuple[float, Array]:
     ball: list[float] = []
 
     def look(world: BulletWorld) -> None:
-        ball[:] = world.things[0].pose().position
+        ball[:] = world.objects[0].pose().position
 
     friction = CLASSIC_FRICTION * plan.scale.length**2 * plan.scale.mass
     return classic_loop(plan, seconds, friction, look), np.array(ball) / plan.scale.length

@@ -15,8 +15,8 @@ import numpy as np
 from scipy.optimize import root
 
 from somo_cli.arrays import Array
-from somo_cli.calibration.levers import of_definition
-from somo_cli.simulation.dynamics import ChainDynamics
+from somo_cli.calibration.moment_arms import of_definition
+from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from tests.loading import scene_from_file
 from tests.studies import drawing
 from tests.studies.running import Setting, recorded
@@ -77,14 +77,14 @@ def finger(*sets: str) -> Finger:
     """Return the finger of the scene, with what is set in it."""
     compiled = scene_from_file(SCENE, *sets).manipulators[0].compiled
     chain, definition = compiled.chain, compiled.definition
-    levers = of_definition(definition, 0, 0)
-    levers = replace(levers, at=chain.length - BASE + BALL[2])
+    moment_arms = of_definition(definition, 0, 0)
+    moment_arms = replace(moment_arms, at=chain.length - BASE + BALL[2])
     per_pressure = definition.actuators[0].joints[0].torque_per_pressure
     assert per_pressure is not None
     body = ChainDynamics(chain)
     last, tip = body.tips[-1]
     drives = np.array([float(joint.channel == 0) for joint in chain.joints])
-    per_torque = levers.blocked_force(1.0)
+    per_torque = moment_arms.blocked_force(1.0)
     return Finger(body, drives, last, tip + BALL, per_pressure, per_torque)
 
 

@@ -12,9 +12,9 @@ from multiprocessing import get_context
 import numpy as np
 
 from somo_cli.arrays import Array
-from somo_cli.simulation import columns
-from somo_cli.simulation.plan import make_plan
-from somo_cli.simulation.run import Summary
+from somo_cli.scene import columns
+from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.run import RunSummary
 from tests.loading import scene_from_file, simulated
 
 
@@ -34,7 +34,7 @@ class Record:
     """The columns of a run by their names in the CSV, SI, and its summary but for the wall time."""
 
     columns: dict[str, Array]
-    summary: Summary
+    summary: RunSummary
 
     def __getitem__(self, name: str) -> Array:
         return self.columns[name]
@@ -48,7 +48,7 @@ def recorded(setting: Setting) -> Record:
         scene = dataclasses.replace(scene, time_step=setting.time_step, every=every)
     plan = make_plan(scene)
     rows, summary = simulated(plan, round(setting.seconds / plan.time_step))
-    table = dict(zip(columns.header(plan), np.array(rows).T, strict=True))
+    table = dict(zip(columns.header(plan.recorded), np.array(rows).T, strict=True))
     return Record(table, summary)
 
 

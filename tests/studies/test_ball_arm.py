@@ -7,8 +7,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from somo_cli.simulation import bullet_contact
-from somo_cli.simulation.run import Summary
+from somo_cli.simulation.engine.bullet import collision_filter
+from somo_cli.simulation.run import RunSummary
 from tests.studies import ball_arm
 from tests.studies.ball_arm import apart, is_in, ways
 from tests.studies.running import Record, Setting, recorded
@@ -19,7 +19,7 @@ def record_of(ball: list[list[float]], tip: list[list[float]]) -> Record:
     for name, places in (("ball.pose", ball), ("ball_arm.tip", tip)):
         for axis, values in zip("xyz", np.array(places).T, strict=True):
             columns[f"{name}.{axis}_m"] = values
-    return Record(columns, Summary(1, 2, 1.0))
+    return Record(columns, RunSummary(1, 2, 1.0))
 
 
 TIP = [[0.0, 0.0, 7.8], [-6.0, 0.0, 0.2]]
@@ -71,7 +71,7 @@ def test_more_iterations_of_the_solver_change_less_than_the_step(
     lying = dataclasses.replace(ball_arm.setting(2e-3), seconds=8.0)
     few = recorded(lying)
     finer = recorded(dataclasses.replace(lying, time_step=1e-3))
-    monkeypatch.setattr(bullet_contact, "OF_MANY", 200)
+    monkeypatch.setattr(collision_filter, "OF_MANY", 200)
     many = recorded(lying)
     by_solver, by_step = (apart(other, few, "ball_arm.tip")[0] for other in (many, finer))
     assert 0 < by_solver < 0.5 * by_step

@@ -9,7 +9,7 @@ import pytest
 
 from somo_cli.manipulator.dimensions import Scale
 from somo_cli.manipulator.solids import Box
-from somo_cli.simulation.run import Summary
+from somo_cli.simulation.run import RunSummary
 from tests.loading import scene_from_file
 from tests.studies import pinch
 from tests.studies.pinch import Grasp, grasp, map_table, setting, spread
@@ -20,7 +20,7 @@ def test_a_setting_moves_both_fingers_and_keeps_their_length() -> None:
     one = setting(0.08, 0.15, distal=6, scale=10)
     scene = scene_from_file(one.scene, *one.sets)
     assert scene.scale == Scale(10)
-    (block,) = scene.things
+    (block,) = scene.objects
     assert block.chain.links[0].shapes[0].solid == Box((0.06, 0.08, 0.06))
     for finger in scene.manipulators:
         assert finger.position[2] == pytest.approx(0.15 + pinch.WAY)
@@ -37,7 +37,7 @@ def test_what_a_grasp_is_read_from() -> None:
         "block.pose.qw": np.array([1, 1, 1, math.cos(0.1)]),
         "left.contact.normal_n": np.array([0, 0.3, 0.4, 0.5]),
     }
-    found = grasp(Record(columns, Summary(3000, 4, 1.0)))
+    found = grasp(Record(columns, RunSummary(3000, 4, 1.0)))
     assert found.is_lifted
     assert (found.rise, found.grip, found.hold) == (pytest.approx(0.06), 0.4, 0.5)
     assert found.tilt == pytest.approx(0.2)

@@ -24,11 +24,11 @@ from collections.abc import Callable, Sequence
 import mujoco
 import numpy as np
 
-from somo_cli.analysis.trial import recorded, run_time
+from somo_cli.analysis.recorded_run import median_run_time, record_rows
 from somo_cli.problems import SimulationDiverged
-from somo_cli.simulation.bullet import BulletWorld
-from somo_cli.simulation.plan import make_plan
-from somo_cli.simulation.scene import Scene
+from somo_cli.scene.model import Scene
+from somo_cli.simulation.engine.bullet.world import BulletWorld
+from somo_cli.simulation.plan.model import make_plan
 from tests.bench.accuracy import MOTIONS, scene_of, truth_of
 from tests.simulation.mujoco_reference import model_of
 
@@ -54,14 +54,14 @@ Loop = Callable[[], tuple[np.ndarray, float]]
 
 
 def our_loop(scene: Scene, step: float) -> Loop:
-    """Return our stepping loop; it is timed in a run of its own, in which nothing is recorded."""
+    """Return our stepping loop; it is timed in a run of its own, in which nothing is record_rows."""
     count = round(1 / step)
     scene = dataclasses.replace(scene, time_step=step, every=round(TENTH / step))
     plan = make_plan(scene)
 
     def loop() -> tuple[np.ndarray, float]:
-        angles = recorded(plan, count, BulletWorld)[1:, 1:]
-        return angles, run_time(plan, count, BulletWorld, time.perf_counter, 1)
+        angles = record_rows(plan, count, BulletWorld)[1:, 1:]
+        return angles, median_run_time(plan, count, BulletWorld, time.perf_counter, 1)
 
     return loop
 
@@ -73,7 +73,7 @@ def their_loop(scene: Scene, step: float, name: str) -> Loop:
     model.opt.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{name.upper()}")
     si = make_plan(dataclasses.replace(scene, scale=type(scene.scale)()))
     drives = [(np.array(drive.joints), drive.signal) for drive in si.bodies[0].drives]
-    is_constant = all(drive.signal.steady_until(0.0) == math.inf for drive in si.bodies[0].drives)
+    is_constant = all(drive.signal.constant_until(0.0) == math.inf for drive in si.bodies[0].drives)
     every = round(TENTH / step)
 
     def loop() -> tuple[np.ndarray, float]:

@@ -12,11 +12,11 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from somo_cli.analysis import closed_forms, variants
-from somo_cli.simulation.dynamics import ChainDynamics
-from somo_cli.simulation.loads import generalised, stiffness_of
-from somo_cli.simulation.plan import make_plan
-from somo_cli.simulation.scene import Scene
+from somo_cli.analysis import closed_forms, scene_variants
+from somo_cli.scene.model import Scene
+from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
+from somo_cli.simulation.dynamics.external_loads import generalised, stiffness_of
+from somo_cli.simulation.plan.model import make_plan
 from tests.loading import rows_of, scene_from_file
 from tests.truth.table import Row, ordered
 
@@ -39,7 +39,7 @@ MOMENTS = {"0.5": 0.5, "pi/2": math.pi / 2, "pi": math.pi, "2 pi": 2 * math.pi}
 
 def cantilever(count: int, *sets: str) -> Scene:
     """Return the shipped cantilever in so many joints, recording its end alone."""
-    scene = variants.cut(scene_from_file("cantilever_scene.yaml", *sets), count)
+    scene = scene_variants.with_segments(scene_from_file("cantilever_scene.yaml", *sets), count)
     return dataclasses.replace(
         scene,
         time_step=STEP,

@@ -15,12 +15,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from somo_cli.analysis import closed_forms
-from somo_cli.calibration import levers
-from somo_cli.calibration.blocked import blocked
-from somo_cli.calibration.deflection import following
-from somo_cli.calibration.levers import Levers
+from somo_cli.calibration import moment_arms
+from somo_cli.calibration.beam_comparison import compare_with_beam
+from somo_cli.calibration.blocked_force import blocked_equilibrium
+from somo_cli.calibration.moment_arms import MomentArms
 from somo_cli.manipulator.definition import Placement
-from somo_cli.simulation.scene import Scene
+from somo_cli.scene.model import Scene
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.truth.table import Row
 
@@ -33,9 +33,9 @@ DIRECTIONS = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 FORCE, PRESSURE = 0.75, 1e5  # N, Pa: blocked force of the real finger, grasping
 
 
-def axis_of(count: int, axis: int, placement: Placement = "uniform") -> Levers:
+def axis_of(count: int, axis: int, placement: Placement = "uniform") -> MomentArms:
     """Return one axis of a finger with so many joints per axis."""
-    return levers.evenly_made(LENGTH, count, 2, axis, DIRECTIONS[axis], placement)
+    return moment_arms.of_uniform_actuator(LENGTH, count, 2, axis, DIRECTIONS[axis], placement)
 
 
 def finger(
@@ -133,7 +133,7 @@ def along_the_length() -> Iterator[Row]:
                 chain = np.interp(s * LENGTH, np.append(0, heights), np.append(0, off))
                 beam = force / wanted * s * s * (3 - s) / 2
                 found = float(np.abs(chain - beam).max() / (force / wanted))
-                told = following(axis_of(count, axis, placement), placement).along
+                told = compare_with_beam(axis_of(count, axis, placement), placement).along
                 what = "deflection along the length against Euler-Bernoulli, over that of the tip"
                 case = f"axis {axis}, {placement}"
                 yield Row(what, case, f"2 x {count} joints", found, told, abs(found - told))
@@ -149,7 +149,7 @@ def large() -> Iterator[Row]:
                 tip = shape_at_rest(scene)[-1] / LENGTH
                 across = float(tip @ np.cross(DIRECTIONS[axis], (0, 0, 1)))
                 found = math.dist((tip[2], across), closed_forms.tip_load(1.0))
-                told = following(axis_of(count, axis, placement), placement).large
+                told = compare_with_beam(axis_of(count, axis, placement), placement).large
                 what = "tip against the elastica, P L²/EI = 1, over the length"
                 case = f"axis {axis}, {placement}"
                 yield Row(what, case, f"2 x {count} joints", found, told, abs(found - told))
@@ -193,13 +193,13 @@ def finger_rows() -> Iterator[Row]:
     """Yield stiffness, torque and blocked force of the shipped finger."""
     definition = scene_from_file("scene.yaml").manipulators[0].compiled.definition
     for axis, wanted in enumerate(WANTED):
-        known = levers.of_definition(definition, 0, axis)
+        known = moment_arms.of_definition(definition, 0, axis)
         own = definition.actuators[0].joints[axis].stiffness
         what = "the shipped finger's joint stiffness [N·m/rad]"
         told = known.stiffness(wanted)
         yield Row(what, f"axis {axis}", "2 x 5 joints", own, told, abs(own / told - 1))
-    grasping = levers.of_definition(definition, 0, 0)
-    found = blocked(definition, 0, 0, grasping, FORCE)
+    grasping = moment_arms.of_definition(definition, 0, 0)
+    found = blocked_equilibrium(definition, 0, 0, grasping, FORCE)
     assert found is not None
     torques = {
         "equilibrium": found.torque,

@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from somo_cli.calibration.fit import Fit, Model, fit
-from somo_cli.calibration.parameters import WHATS, What, parameters
-from somo_cli.calibration.recording import Recording, recording
+from somo_cli.calibration.fit import FitResult, SceneModel, fit
+from somo_cli.calibration.measurement import Measurement, measurement
+from somo_cli.calibration.parameters import PARAMETER_KINDS, ParameterKind, parameters
 from somo_cli.document.table import read_table
-from somo_cli.simulation import columns
-from somo_cli.simulation.bullet import BulletWorld
-from somo_cli.simulation.plan import make_plan
-from somo_cli.simulation.scene import Scene
+from somo_cli.scene import columns
+from somo_cli.scene.model import Scene
+from somo_cli.simulation.engine.bullet.world import BulletWorld
+from somo_cli.simulation.plan.model import make_plan
 from tests.loading import rows_of, scene_from_text
 from tests.manipulator.bodies import Data, actuator, hinge, manipulator
 from tests.truth.table import Row
@@ -60,7 +60,7 @@ def recorded(
     scene: Scene, steps: int, names: Sequence[str], noise: float = 0.0, seed: int = 1
 ) -> str:
     """Return the CSV of some columns of a run, with noise on all but the time."""
-    header = [name.removeprefix("body.") for name in columns.header(make_plan(scene))]
+    header = [name.removeprefix("body.") for name in columns.header(make_plan(scene).recorded)]
     rows = np.array(rows_of(scene, steps))
     random = np.random.default_rng(seed)
     places = [header.index(name) for name in names]
@@ -71,9 +71,11 @@ def recorded(
     return "\n".join(lines)
 
 
-def fitted(guess: Scene, text: str, whats: Sequence[What] = WHATS) -> tuple[Fit, Recording]:
-    measured = recording(read_table(text, "a.csv"), guess, ())
-    model = Model(guess, measured, BulletWorld, lambda runs: None)
+def fitted(
+    guess: Scene, text: str, whats: Sequence[ParameterKind] = PARAMETER_KINDS
+) -> tuple[FitResult, Measurement]:
+    measured = measurement(read_table(text, "a.csv"), guess, ())
+    model = SceneModel(guess, measured, BulletWorld, lambda runs: None)
     return fit(model, measured, list(parameters(guess.manipulators[0], whats))), measured
 
 
@@ -81,7 +83,7 @@ GUESS: dict[str, Any] = {"stiffness": (0.14, 0.22), "damping": (8e-4, 3e-4), "ga
 TRUTH = {"stiffness": (0.1, 0.3), "damping": (4e-4, 6e-4), "gain": (1 / 1.3, 1 / 1.3)}
 
 
-def off(found: Fit) -> dict[str, float]:
+def off(found: FitResult) -> dict[str, float]:
     """Return the relative error of every parameter."""
     return {
         one.name: value / TRUTH[one.what][one.axis] - 1
@@ -95,7 +97,7 @@ def noisy(seed: int = 1) -> str:
 
 
 def halves(text: str) -> dict[str, str]:
-    """Return a recording, its first half, and every second row of it."""
+    """Return a measurement, its first half, and every second row of it."""
     header, *rows = text.split("\n")
     parts = {
         "101 rows": rows,

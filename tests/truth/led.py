@@ -9,9 +9,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from somo_cli.manipulator import geometry
-from somo_cli.simulation import columns
-from somo_cli.simulation.plan import make_plan
-from somo_cli.simulation.scene import Scene
+from somo_cli.scene import columns
+from somo_cli.scene.model import Scene
+from somo_cli.simulation.plan.model import make_plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.manipulator.bodies import X, actuator, manipulator
 from tests.simulation.mujoco_reference import led_trajectory, model_of
@@ -103,7 +103,7 @@ def lifted() -> Iterator[list[Row]]:
     found = []
     for step in STEPS:
         plan = make_plan(scene_from_file("lift_scene.yaml", f"time_step={step}"))
-        names = columns.header(plan)
+        names = columns.header(plan.recorded)
         table = dict(zip(names, np.array(rows_of(plan, round(2 / step))).T, strict=True))
         found.append((step, table))
     slips, forces = [], []

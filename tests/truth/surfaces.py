@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from somo_cli.simulation import columns
-from somo_cli.simulation.plan import make_plan
-from somo_cli.simulation.scene import Scene
+from somo_cli.scene import columns
+from somo_cli.scene.model import Scene
+from somo_cli.simulation.plan.model import make_plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.truth.table import Row, ordered
 from tests.truth.touching import STEPS, G, last_row, with_cubes
@@ -28,7 +28,7 @@ def course(scene: Scene, step: float, time: float) -> dict[str, np.ndarray]:
     """Return the columns of a run, every step."""
     plan = make_plan(dataclasses.replace(scene, time_step=step))
     found = np.array(rows_of(plan, round(time / step)))
-    return dict(zip(columns.header(plan), found.T, strict=True))
+    return dict(zip(columns.header(plan.recorded), found.T, strict=True))
 
 
 def rebound(restitution: float, step: float, height: float) -> float:

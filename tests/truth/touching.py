@@ -9,9 +9,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from somo_cli.simulation import columns
-from somo_cli.simulation.plan import make_plan
-from somo_cli.simulation.scene import Scene
+from somo_cli.scene import columns
+from somo_cli.scene.model import Scene
+from somo_cli.simulation.plan.model import make_plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.manipulator.bodies import X, actuator, manipulator
 from tests.truth.table import Row
@@ -25,7 +25,7 @@ def last_row(scene: Scene, step: float, time: float) -> dict[str, float]:
     """Return the columns at the end of a run."""
     count = round(time / step)
     plan = make_plan(dataclasses.replace(scene, time_step=step, every=count))
-    return dict(zip(columns.header(plan), rows_of(plan, count)[-1], strict=True))
+    return dict(zip(columns.header(plan.recorded), rows_of(plan, count)[-1], strict=True))
 
 
 def with_cubes(*cubes: dict[str, object], **of_scene: object) -> Scene:

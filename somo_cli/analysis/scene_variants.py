@@ -1,0 +1,73 @@
+"""The same scene with another step, integrator or number of segments."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from somo_cli.manipulator import geometry, resegmentation
+from somo_cli.manipulator.chain import Chain
+from somo_cli.scene.columns import body_column_groups
+from somo_cli.scene.model import ExternalLoad, Integrator, Manipulator, Quantity, Scene
+from somo_cli.simulation.plan.model import make_plan
+
+ALWAYS_COMPARED: tuple[Quantity, ...] = ("tip_position", "joint_angles", "energy")
+"""What a study compares whatever the scene records."""
+
+
+def study_variant(scene: Scene) -> Scene:
+    """Return the scene recording what a study compares, and what it records of manipulators.
+
+    Whole quantities, and to the end of the study's time: where conditions would end variants at
+    different instants nothing could be compared. Of a scene that picks columns from all quantities
+    those with a picked column.
+    """
+    picked = (group.quantity for group in body_column_groups(make_plan(scene).recorded))
+    columns = tuple(dict.fromkeys((*ALWAYS_COMPARED, *picked)))
+    return dataclasses.replace(
+        scene, columns=columns, object_quantities=(), only=(), stop_conditions=()
+    )
+
+
+def with_time_step(scene: Scene, integrator: Integrator, time_step: float, every: int) -> Scene:
+    """Return the scene with another integrator and step [s]."""
+    return dataclasses.replace(scene, integrator=integrator, time_step=time_step, every=every)
+
+
+def with_segments(scene: Scene, count: int) -> Scene:
+    """Return the scene with `count` segments in every actuator, the continuum kept.
+
+    Raises resegmentation.NotUniform, its message starting with the name of the manipulator.
+    """
+    return dataclasses.replace(
+        scene,
+        manipulators=tuple(_manipulator_with_segments(one, count) for one in scene.manipulators),
+    )
+
+
+def _manipulator_with_segments(one: Manipulator, count: int) -> Manipulator:
+    compiled = one.compiled
+    try:
+        anew = resegmentation.cut(compiled, count)
+        return dataclasses.replace(
+            one,
+            compiled=anew,
+            initial_angles=resegmentation.per_joint(one.initial_angles, compiled, anew),
+            initial_rates=resegmentation.per_joint(one.initial_rates, compiled, anew),
+            loads=tuple(_moved_load(load, compiled.chain, anew.chain) for load in one.loads),
+        )
+    except resegmentation.NotUniform as error:
+        raise resegmentation.NotUniform(
+            f"'{one.name}' cannot be cut into {count}: {error}"
+        ) from error
+
+
+def _moved_load(load: ExternalLoad, before: Chain, after: Chain) -> ExternalLoad:
+    """Return a load on the base or on the last link of a limb, at the same place from the tip."""
+    if load.link == 0:
+        return load
+    for old, new in zip(before.backbones, after.backbones, strict=True):
+        if load.link == old.last_link:
+            point = geometry.add(new.tip, geometry.subtract(load.point, old.tip))
+            return dataclasses.replace(load, link=new.last_link, point=point)
+    link = before.links[load.link].name
+    raise resegmentation.NotUniform(f"there is a load on {link}, which may have no counterpart")

@@ -1,0 +1,100 @@
+"""What is expected of a scene, as a table and as plain values."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from somo_cli.analysis.numerics import NumericsReport
+from somo_cli.analysis.stability import StabilityForecast
+from somo_cli.arrays import Array
+from somo_cli.scene.model import Integrator
+
+INTEGRATORS: tuple[Integrator, ...] = ("implicit", "euler", "explicit")
+
+
+def table(report: NumericsReport) -> list[str]:
+    """Return what to print: the modes of every body, then the steps."""
+    lines: list[str] = []
+    for one in report.forecasts:
+        lines += _forecast_lines(one)
+        lines.append("")
+    lines.append(f"{'recommended step':34}" + "".join(f"{name:>14}" for name in INTEGRATORS))
+    steps = [f"{report.recommended_step_for(name):g} s" for name in INTEGRATORS]
+    lines.append(f"{'':34}" + "".join(f"{step:>14}" for step in steps))
+    plan = report.plan
+    verdict = _verdict(report)
+    lines.append(f"{plan.integrator} at {plan.time_step:g} s: {verdict}")
+    return lines
+
+
+def _verdict(report: NumericsReport) -> str:
+    plan, limit = report.plan, report.explicit_step
+    if math.isnan(report.error):
+        return "cannot be judged"
+    if plan.integrator == "explicit":
+        if plan.time_step > limit:
+            return f"unstable, {plan.time_step / limit:.3g} times its limit of {limit:.3g} s"
+        stable = f"stable, {plan.time_step / limit:.2g} of its limit of {limit:.3g} s"
+    else:
+        stable = "stable"
+    return f"{stable}; a tip error of about {100 * report.error:.2g} % of the length is expected"
+
+
+def _forecast_lines(one: StabilityForecast) -> Iterator[str]:
+    names = list(one.modes)
+    modes = list(one.modes.values())
+    title = f"{one.body.name}: {len(one.body.chain.joints)} joints"
+    yield f"{title:34}" + "".join(f"{name:>14}" for name in names)
+    rows = {
+        "lowest natural frequency [rad/s]": [each.frequencies[0] for each in modes],
+        "                         [Hz]": [each.frequencies[0] / (2 * math.pi) for each in modes],
+        "highest                  [rad/s]": [each.frequencies[-1] for each in modes],
+        "damping ratio, lowest mode": [each.damping_ratios[0] for each in modes],
+        "               highest mode": [each.damping_ratios[-1] for each in modes],
+        "               least damped": [each.least_damping_ratio for each in modes],
+        "stiffness ratio": [stiffness_ratio(each.frequencies) for each in modes],
+        "largest explicit step [s]": [each.explicit_step for each in modes],
+    }
+    for name, values in rows.items():
+        yield f"  {name:32}" + "".join(f"{value:14.4g}" for value in values)
+
+
+def stiffness_ratio(frequencies: Array) -> float:
+    """Return the ratio of the largest to the smallest squared frequency."""
+    lowest = float(frequencies[0])
+    return float(frequencies[-1]) ** 2 / lowest**2 if lowest > 0 else math.inf
+
+
+def plain_data(report: NumericsReport) -> dict[str, object]:
+    """Return what the table says as values for JSON; None where there is no number."""
+    plan = report.plan
+    return {
+        "integrator": plan.integrator,
+        "time_step_s": plan.time_step,
+        "verdict": _verdict(report),
+        "expected_tip_error_relative": _finite(report.error),
+        "explicit_step_s": _finite(report.explicit_step),
+        "recommended_time_step_s": {
+            name: _finite(report.recommended_step_for(name)) for name in INTEGRATORS
+        },
+        "manipulators": {
+            one.body.name: {
+                name: {
+                    "frequencies_rad_per_s": modes.frequencies.tolist(),
+                    "damping_ratios": [_finite(value) for value in modes.damping_ratios.tolist()],
+                    "least_damping_ratio": modes.least_damping_ratio,
+                    "roots_per_s": [[root.real, root.imag] for root in modes.all_roots.tolist()],
+                    "stiffness_ratio": _finite(stiffness_ratio(modes.frequencies)),
+                    "explicit_step_s": _finite(modes.explicit_step),
+                    "topples": modes.topples,
+                }
+                for name, modes in one.modes.items()
+            }
+            for one in report.forecasts
+        },
+    }
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

@@ -1,0 +1,151 @@
+"""A measured motion as what a run of a scene would have recorded at the same times."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from somo_cli.arrays import Array
+from somo_cli.document.table import Table, require_columns
+from somo_cli.problems import InvalidFile, Problem
+from somo_cli.scene import columns
+from somo_cli.scene.model import Quantity, Scene
+from somo_cli.simulation.plan.model import make_plan
+
+TIME = "time_s"
+MEASURABLE: tuple[Quantity, ...] = (
+    "joint_angles",
+    "joint_rates",
+    "tip_position",
+    "curvatures",
+    "link_positions",
+    "link_orientations",
+    "base_pose",
+)
+"""What a camera, an encoder or a strain gauge can tell, under the names of `somo run`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Measurement:
+    """Measured columns over time.
+
+    `times` [s], shape (rows,), counts from the start of the scene; `values`, (rows, columns), are
+    SI. A run that records `quantities` has each column at its place of `places` in a row;
+    `owners` says which of the quantities each column is part of.
+    """
+
+    names: tuple[str, ...]
+    times: Array
+    values: Array
+    quantities: tuple[Quantity, ...]
+    places: tuple[int, ...]
+    owners: tuple[int, ...]
+
+    @property
+    def scatter(self) -> Array:
+        """Standard deviation of every column, shape (columns,)."""
+        scatter: Array = self.values.std(axis=0)
+        return scatter
+
+    def weights(self, left: Array) -> Array:
+        """Return one weight per column: over the root mean square of `left` in its quantity."""
+        squares = np.mean(left**2, axis=0)
+        owners = np.array(self.owners)
+        means = [squares[owners == number].mean() for number in range(len(self.quantities))]
+        weights: Array = 1 / np.sqrt(np.maximum(np.array(means)[owners], 1e-30))
+        return weights
+
+
+def time_window(table: Table, name: str, begin: float, end: float) -> tuple[Array, Array]:
+    """Return times [s] and values of a column from one time to another [s], shapes (n,)."""
+    times, values = np.array(table.columns[TIME]), np.array(table.columns[name])
+    kept = (times >= begin) & (times <= end)
+    return times[kept], values[kept]
+
+
+def measurement(table: Table, scene: Scene, chosen: Sequence[str]) -> Measurement:
+    """Return the chosen columns of a table, all but the time if none, as a measurement of a scene.
+
+    Columns are called as `somo run` calls them, with or without the manipulator's name in front.
+    Raises InvalidFile with every column that the scene cannot record.
+    """
+    whole = make_plan(scene_recording(scene, MEASURABLE))
+    header = columns.header(whole.recorded)
+    full = {name: name for name in header} | {_short(name): name for name in header}
+    short = {name: _short(name) for name in header}
+    wanted = [name for name in table.names if name != TIME]
+    if chosen:
+        # a column may be written in full and asked for in short, or the other way round
+        ways = {name: {name, full.get(name, name), short.get(name, name)} for name in chosen}
+        missing = [name for name in chosen if ways[name].isdisjoint(table.names)]
+        require_columns(table, missing)
+        wanted = [next(one for one in table.names if one in ways[name]) for name in chosen]
+    problems = list(_problems(table, wanted, full))
+    if problems:
+        raise InvalidFile(problems, table.texts)
+    names = [full[name] for name in wanted]
+    groups: dict[str, Quantity] = {
+        name: group.quantity
+        for group in columns.body_column_groups(whole.recorded)
+        for name in group.selection.names
+    }
+    for of_object in columns.object_column_groups(
+        whole.recorded
+    ):  # poses, which are poses of bases
+        groups |= dict.fromkeys(of_object.selection.names, "base_pose")
+    quantities = tuple(one for one in MEASURABLE if one in {groups[name] for name in names})
+    own_header = columns.header(make_plan(scene_recording(scene, quantities)).recorded)
+    return Measurement(
+        names=tuple(names),
+        times=np.array(table.columns[TIME]),
+        values=np.array([table.columns[name] for name in wanted]).T,
+        quantities=quantities,
+        places=tuple(own_header.index(name) for name in names),
+        owners=tuple(quantities.index(groups[name]) for name in names),
+    )
+
+
+def scene_recording(scene: Scene, quantities: tuple[Quantity, ...]) -> Scene:
+    """Return the scene measurement these quantities whole, and poses, to the end of the data.
+
+    Conditions that would end the run before are left out: what was measured has its own end.
+    """
+    return dataclasses.replace(
+        scene,
+        columns=quantities,
+        object_quantities=("pose",),
+        only=(),
+        stop_conditions=(),
+        has_contact_events=False,
+    )
+
+
+def _short(name: str) -> str:
+    # without the name of the manipulator, of which there is one
+    return name.partition(".")[2]
+
+
+def _problems(table: Table, wanted: Sequence[str], full: dict[str, str]) -> Iterator[Problem]:
+    if not wanted:
+        yield Problem(table.header_span(TIME), f"there is no column beside {TIME}")
+    if table.columns[TIME][0] < 0:
+        place = table.cell_span(0, TIME)
+        hint = "times count from the start of the scene"
+        yield Problem(place, f"time {table.columns[TIME][0]:g} s is before the start", hint)
+    seen: dict[str, str] = {}
+    for name in wanted:
+        if name not in full:
+            yield Problem(
+                table.header_span(name),
+                f"the scene records no column '{name}'",
+                "name columns as somo run does, such as tip.x_m or actuator_0_joint_01.angle_rad, "
+                "or choose those to fit with --columns",
+            )
+        elif full[name] in seen:
+            message = f"'{name}' and '{seen[full[name]]}' are the same column"
+            yield Problem(table.header_span(name), message)
+        else:
+            seen[full[name]] = name

@@ -1,0 +1,130 @@
+"""The front door itself: the application, and how a command ends: message and exit code."""
+
+import functools
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, TypeVar
+
+import typer
+
+from somo_cli import __version__, files, terminal
+from somo_cli.problems import (
+    EngineMissing,
+    EngineRefused,
+    ExtraMissing,
+    InvalidFile,
+    SimulationDiverged,
+)
+
+if TYPE_CHECKING:
+    from somo_cli.document.parse import Document
+
+EXIT_CODES = """Exit codes: 0 done; 1 a check found something; 2 wrong usage; 3 the definition,
+scene or recording is at fault; 4 the simulation diverged; 5 a file cannot be read or written, or
+the engine or an extra is missing; 130 interrupted. A closed pipe ends a run quietly, with 0."""
+
+app = typer.Typer(
+    help="Simulate soft, continuum manipulators as chains of links and spring-dampers.",
+    epilog=EXIT_CODES,
+    add_completion=False,
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+
+Command = TypeVar("Command", bound=Callable[..., None])
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="PATH=VALUE",
+        help="Override one value, such as actuator_definitions[0].n_segments=20. Repeatable.",
+    ),
+]
+OutsideOption = Annotated[
+    bool,
+    typer.Option(
+        "--allow-outside",
+        help="Read files that lie outside the folder of the file that names them, too: "
+        "definitions, trajectories, meshes and URDFs, by any path.",
+    ),
+]
+QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No summary on success.")]
+
+
+def main() -> None:
+    """Run the command line."""
+    files.open_standard_streams()
+    try:
+        app()
+    except KeyboardInterrupt:
+        sys.exit(130)
+
+
+def report_errors(command: Command) -> Command:
+    """Turn what went wrong into a message and an exit code; the only place that does."""
+
+    @functools.wraps(command)
+    def wrapped(*args: object, **kwargs: object) -> None:
+        try:
+            command(*args, **kwargs)
+        except InvalidFile as error:
+            terminal.print_problems(error.problems, error.texts)
+            raise typer.Exit(3) from error
+        except SimulationDiverged as error:
+            terminal.print_message(f"somo: the simulation diverged at {error}")
+            terminal.print_message(f"  hint: {error.hint}")
+            raise typer.Exit(4) from error
+        except EngineRefused as error:
+            terminal.print_message(f"somo: {error}")
+            raise typer.Exit(3) from error
+        except (EngineMissing, ExtraMissing) as error:
+            terminal.print_message(f"somo: {error}")
+            raise typer.Exit(5) from error
+        except BrokenPipeError as error:
+            # the reader has seen enough; keep Python from flushing into the closed pipe at exit
+            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+            raise typer.Exit(0) from error
+        except OSError as error:
+            terminal.print_message(f"somo: {error.filename or 'output'}: {error.strerror or error}")
+            raise typer.Exit(5) from error
+        except KeyboardInterrupt as error:
+            terminal.print_message("somo: interrupted")
+            raise typer.Exit(130) from error
+
+    return wrapped  # type: ignore[return-value]
+
+
+def _print_version(is_asked: bool) -> None:
+    if is_asked:
+        typer.echo(f"somo {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _common(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", help="Print the version and leave.", callback=_print_version, is_eager=True
+        ),
+    ] = False,
+) -> None:
+    pass
+
+
+def refuse_overwriting(document: "Document", output: str, option: str = "--output") -> None:
+    """Refuse an output that is one of the files that were read."""
+    target = Path(output)
+    is_input = target.exists() and any(
+        Path(source).exists() and target.samefile(source) for source in document.texts
+    )
+    require(not is_input, option, f"{output} is what is read")
+
+
+def require(is_right: bool, option: str, message: str) -> None:
+    """End with wrong usage of an option unless it is right."""
+    if not is_right:
+        raise typer.BadParameter(message, param_hint=f"'{option}'")

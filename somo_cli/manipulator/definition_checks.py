@@ -1,0 +1,279 @@
+"""Faults of meaning in a definition: what a schema cannot say, each with its place in the file."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, TypeAlias
+
+from somo_cli.document.parse import Document
+from somo_cli.manipulator import geometry, solids
+from somo_cli.manipulator.definition import MAXIMUM_JOINTS
+from somo_cli.manipulator.read import link_from
+from somo_cli.problems import Pointer, Problem
+
+IsSound: TypeAlias = Callable[[Pointer], bool]
+"""Whether the schema found no fault at a pointer or below it."""
+
+LENGTH_TOLERANCE = 1e-6  # relative; 3 * 0.1 must equal 0.3
+INERTIA_FACTOR = 10.0  # beyond this ratio to the solid's inertia a declared one is suspicious
+
+
+def definition_problems(document: Document, at: Pointer, is_sound: IsSound) -> Iterator[Problem]:
+    """Yield errors and warnings about the definition at a pointer, skipping unsound parts."""
+    data = document.at(at)
+    if not isinstance(data, Mapping):
+        return
+    yield from _top_level_problems(document, at, data, is_sound)
+    for key in ("base_definition", "tip_definition"):
+        if isinstance(data.get(key), Mapping):
+            yield from link_problems(document, (*at, key), is_sound)
+    for index, _ in enumerate(_items(data.get("tip_definitions"))):
+        yield from link_problems(document, (*at, "tip_definitions", index), is_sound)
+    actuators = _items(data.get("actuator_definitions"))
+    for index, _ in enumerate(actuators):
+        yield from _actuator_problems(document, (*at, "actuator_definitions", index), is_sound)
+    yield from _joint_count_problems(document, (*at, "actuator_definitions"), actuators, is_sound)
+
+
+def _items(value: object) -> Sequence[Any]:
+    return value if isinstance(value, list) else ()
+
+
+def _top_level_problems(
+    document: Document, at: Pointer, data: Mapping[str, Any], is_sound: IsSound
+) -> Iterator[Problem]:
+    actuators: Any = data.get("actuator_definitions")
+    has_count = "n_act" in data and is_sound((*at, "n_act")) and isinstance(actuators, list)
+    if has_count and data["n_act"] != len(actuators):
+        yield Problem(
+            document.span((*at, "n_act")),
+            f"n_act is {data['n_act']}, but actuator_definitions has {len(actuators)}",
+            f"leave n_act out, or set it to {len(actuators)}",
+        )
+    if data.get("tip_definition") and data.get("tip_definitions"):
+        yield Problem(
+            document.span((*at, "tip_definition"), key=True),
+            "tip_definition and tip_definitions exclude each other",
+            "put all the tips into tip_definitions",
+        )
+    if isinstance(data.get("urdf_filename"), str):
+        yield from filename_problems(document, (*at, "urdf_filename"), data["urdf_filename"])
+
+
+def filename_problems(document: Document, at: Pointer, filename: str) -> Iterator[Problem]:
+    """Yield the fault of a `urdf_filename` that is more than a name."""
+    parts = filename.replace("\\", "/").split("/")
+    hint = "give a name without a folder; choose the folder with -o"
+    if parts[0] in ("", "~") or ".." in parts or parts[-1] in ("", ".") or ":" in filename:
+        message = f"urdf_filename '{filename}' is not the name of a file"
+        yield Problem(document.span(at), message, hint)
+    elif len(parts) > 1:
+        message = f"the folder in urdf_filename '{filename}' is ignored"
+        yield Problem(document.span(at), message, hint, "warning")
+
+
+def _actuator_problems(document: Document, at: Pointer, is_sound: IsSound) -> Iterator[Problem]:
+    data = document.at(at)
+    if not isinstance(data, Mapping):
+        return
+    joints = _items(data.get("joint_definitions"))
+    for index, joint in enumerate(joints):
+        if isinstance(joint, Mapping) and is_sound((*at, "joint_definitions", index)):
+            yield from _joint_problems(document, (*at, "joint_definitions", index), joint)
+    if isinstance(data.get("link_definition"), Mapping):
+        yield from link_problems(document, (*at, "link_definition"), is_sound)
+    needed: tuple[Pointer, ...] = ((*at, "n_segments"), (*at, "planar_flag"))
+    if "n_segments" in data and all(is_sound(pointer) for pointer in needed):
+        yield from _count_problems(document, at, data, len(joints), is_sound)
+        yield from _length_problems(document, at, data, is_sound)
+    yield from _placement_problems(document, at, data, is_sound)
+
+
+def _count_problems(
+    document: Document, at: Pointer, data: Mapping[str, Any], count: int, is_sound: IsSound
+) -> Iterator[Problem]:
+    if count == 0:
+        return
+    flag = data.get("planar_flag", 1 if count == 1 else 0)
+    place = document.span((*at, "joint_definitions"), key=True)
+    default = "" if "planar_flag" in data else ", the default,"
+    if flag == 1 and count != 1:
+        yield Problem(
+            place,
+            f"planar_flag 1 needs 1 joint definition, found {count}",
+            "use planar_flag 0 for several axes, 2 for one definition per segment",
+        )
+    elif flag == 0 and count not in (2, 3):
+        yield Problem(
+            place,
+            f"planar_flag 0{default} needs 2 or 3 joint definitions, found {count}",
+            "use planar_flag 1 for a single joint definition, 2 for one per segment",
+        )
+    elif flag == 2 and count != data["n_segments"]:
+        yield Problem(
+            place,
+            f"planar_flag 2 needs one joint definition per segment, "
+            f"found {count} for {data['n_segments']} segments",
+            "use planar_flag 1 for one joint definition, 0 for 2 or 3 that take turns",
+        )
+    elif flag == 2 and is_sound((*at, "joint_definitions")):
+        axes = [joint.get("axis", [1, 0, 0]) for joint in data["joint_definitions"]]
+        for index, axis in enumerate(axes):
+            if axis != axes[0]:
+                yield Problem(
+                    document.span((*at, "joint_definitions", index, "axis")),
+                    f"planar_flag 2 needs the same axis for all joints, found {axis} after "
+                    f"{axes[0]}",
+                    "use planar_flag 0 for several axes",
+                )
+
+
+def _placement_problems(
+    document: Document, at: Pointer, data: Mapping[str, Any], is_sound: IsSound
+) -> Iterator[Problem]:
+    link = data.get("link_definition")
+    if (
+        isinstance(link, Mapping)
+        and is_sound((*at, "link_definition"))
+        and data.get("joint_placement") == "gauss"
+        and link["shape_type"] == "sphere"
+    ):
+        yield Problem(
+            document.span((*at, "joint_placement")),
+            "joint_placement gauss needs links that can be shorter or longer, not spheres",
+            "use a cylinder, a capsule or a box, or joint_placement: uniform",
+        )
+
+
+def _length_problems(
+    document: Document, at: Pointer, data: Mapping[str, Any], is_sound: IsSound
+) -> Iterator[Problem]:
+    link = (*at, "link_definition")
+    if not (isinstance(data.get("link_definition"), Mapping) and is_sound(link)):
+        return
+    if "actuator_length" not in data or not is_sound((*at, "actuator_length")):
+        return
+    height = link_from(data["link_definition"]).height
+    length = data["n_segments"] * height
+    if not math.isclose(length, data["actuator_length"], rel_tol=LENGTH_TOLERANCE):
+        yield Problem(
+            document.span((*at, "actuator_length")),
+            f"actuator_length {data['actuator_length']:.9g} is not n_segments "
+            f"{data['n_segments']} times the link's height {height:.9g}",
+            f"leave actuator_length out, or set it to {length:.9g}",
+        )
+
+
+def _joint_problems(document: Document, at: Pointer, data: Mapping[str, Any]) -> Iterator[Problem]:
+    axis = data.get("axis")
+    if axis is not None and geometry.norm(tuple(axis)) < 1e-12:
+        yield Problem(
+            document.span((*at, "axis")),
+            f"axis {list(axis)} has no length",
+            "give the direction of the axis, such as [1, 0, 0]",
+        )
+    limits = data.get("limits")
+    if limits is None and data["joint_type"] == "revolute":
+        yield Problem(
+            document.span(at),
+            "a revolute joint needs limits",
+            "add limits: [lower, upper, effort, velocity], or use joint_type: continuous",
+        )
+    if limits is not None and limits[0] > limits[1]:
+        yield Problem(
+            document.span((*at, "limits")),
+            f"lower limit {limits[0]} is above upper limit {limits[1]}",
+            "limits are [lower, upper, effort, velocity]",
+        )
+    offset = data.get("neutral_axis_offset")
+    if offset is not None and any(angle != 0 for angle in offset[3:]):
+        yield Problem(
+            document.span((*at, "neutral_axis_offset")),
+            f"the angles of neutral_axis_offset must be 0, found {offset[3:]}",
+            "choose the direction of the joint with axis",
+        )
+
+
+def link_problems(document: Document, at: Pointer, is_sound: IsSound) -> Iterator[Problem]:
+    """Yield errors and warnings about the link at a pointer."""
+    data = document.at(at)
+    if not is_sound(at) or not isinstance(data, Mapping):
+        return
+    if data["shape_type"] in ("cylinder", "capsule") and len(data["dimensions"]) == 3:
+        yield Problem(
+            document.span((*at, "dimensions", 2)),
+            f"a {data['shape_type']} has [height, radius]; the third value is ignored",
+            severity="warning",
+        )
+    if data.get("inertial_values") is not None:
+        yield from _inertia_problems(document, at, data)
+
+
+def _inertia_problems(
+    document: Document, at: Pointer, data: Mapping[str, Any]
+) -> Iterator[Problem]:
+    link = link_from(data)
+    assert link.inertia is not None
+    place = document.span((*at, "inertial_values"))
+    own = geometry.principal_moments(solids.inertia(link.solid, link.mass))
+    declared = geometry.principal_moments(link.inertia)
+    ownership = "the solid's own is [" + ", ".join(f"{moment:.3g}" for moment in own) + "]"
+    slack = 1e-9 * abs(declared[2])
+    if declared[0] <= 0:
+        yield Problem(
+            place,
+            f"no body has this inertia: a principal moment is {declared[0]:.3g}",
+            f"leave inertial_values out; {ownership}",
+            "warning",
+            "impossible-inertia",
+        )
+    elif declared[0] + declared[1] < declared[2] - slack:
+        yield Problem(
+            place,
+            f"no body has this inertia: its principal moments {declared[0]:.3g} and "
+            f"{declared[1]:.3g} add up to less than the third, {declared[2]:.3g}",
+            f"leave inertial_values out; {ownership}",
+            "warning",
+            "impossible-inertia",
+        )
+    else:
+        ratios = [d / o if o > 0 else math.inf for d, o in zip(declared, own, strict=True)]
+        worst = max(ratios, key=lambda ratio: max(ratio, 1 / ratio if ratio > 0 else math.inf))
+        if not 1 / INERTIA_FACTOR <= worst <= INERTIA_FACTOR:
+            yield Problem(
+                place,
+                f"the declared inertia is {worst:.3g} times that of a homogeneous "
+                f"{data['shape_type']} of this size and mass",
+                f"leave inertial_values out; {ownership}",
+                "warning",
+                "declared-inertia",
+            )
+
+
+def _joint_count_problems(
+    document: Document, at: Pointer, actuators: Sequence[Any], is_sound: IsSound
+) -> Iterator[Problem]:
+    count = 0
+    for index, actuator in enumerate(actuators):
+        if not isinstance(actuator, Mapping) or not is_sound((*at, index, "n_segments")):
+            return
+        count += _moving_joints(actuator)
+    if count > MAXIMUM_JOINTS:
+        yield Problem(
+            document.span(at, key=True),
+            f"{count} joints, but the engine ignores commands beyond {MAXIMUM_JOINTS} joints",
+            "use fewer and longer segments; an error of 1 % needs about 5 joints per axis",
+        )
+
+
+def _moving_joints(actuator: Mapping[str, Any]) -> int:
+    """Return how many of the actuator's joints move; its definitions are taken in turn."""
+    segments = actuator.get("n_segments", 0)
+    kinds = [
+        joint.get("joint_type") if isinstance(joint, Mapping) else None
+        for joint in _items(actuator.get("joint_definitions"))
+    ]
+    rounds, rest = divmod(segments, max(1, len(kinds)))
+    fixed = rounds * kinds.count("fixed") + kinds[:rest].count("fixed")
+    return int(segments - fixed)

@@ -1,0 +1,85 @@
+"""The same manipulator cut into another number of segments, the continuum behind it kept."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from somo_cli.manipulator import assembly_chain
+from somo_cli.manipulator.compile import Compiled
+from somo_cli.manipulator.definition import ActuatorDefinition, JointDefinition, LinkDefinition
+from somo_cli.manipulator.joint_placement import actuator_of, scaled_to_share
+from somo_cli.manipulator.solids import Box, Cylinder
+
+
+class NotUniform(ValueError):
+    """What varies along an actuator cannot be cut anew."""
+
+
+def cut(compiled: Compiled, count: int) -> Compiled:
+    """Return the manipulator with `count` segments in every actuator.
+
+    Length, mass and flexural rigidity stay: links get shorter and lighter, stiffness and damping
+    of a joint grow as the backbone it stands for shrinks, and its angles (limits, neutral
+    position) shrink with it, so that curvature keeps its bounds. Torques (dry friction, effort)
+    are moments in the backbone and stay. A declared inertia gives way to the solid's own.
+
+    Raises NotUniform where the joints of an actuator differ other than by axis, where a link has
+    no length to change, and where there are fewer segments than axes.
+    """
+    definition = replace(
+        compiled.definition,
+        actuators=tuple(
+            _cut_actuator(actuator, index, count)
+            for index, actuator in enumerate(compiled.definition.actuators)
+        ),
+    )
+    return replace(compiled, definition=definition, chain=assembly_chain.build(definition))
+
+
+def per_joint(values: Sequence[float], before: Compiled, after: Compiled) -> tuple[float, ...]:
+    """Return angles or rates, one per joint of `before`, for the joints of `after`.
+
+    Equal values along an actuator's axis are a uniform curvature, which is kept. Raises NotUniform
+    for values that differ along an axis.
+    """
+    curvatures: dict[tuple[int, int], float] = {}
+    for joint, value in zip(before.chain.joints, values, strict=True):
+        channel = joint.actuator, joint.channel
+        if curvatures.setdefault(channel, value / joint.span) != value / joint.span:
+            raise NotUniform(f"they differ along axis {joint.channel} of actuator {joint.actuator}")
+    return tuple(
+        curvatures[joint.actuator, joint.channel] * joint.span for joint in after.chain.joints
+    )
+
+
+def _cut_actuator(actuator: ActuatorDefinition, index: int, count: int) -> ActuatorDefinition:
+    axes = max(actuator.channels) + 1
+    by_channel: dict[int, JointDefinition] = {}
+    for channel, joint in zip(actuator.channels, actuator.joints, strict=True):
+        if by_channel.setdefault(channel, joint) != joint:
+            raise NotUniform(f"the joints of actuator {index} differ along it")
+    if count < axes:
+        raise NotUniform(f"actuator {index} has {axes} axes, which need as many segments")
+    share = actuator.n_segments / count
+    joints = {channel: scaled_to_share(joint, share) for channel, joint in by_channel.items()}
+    turns = tuple(number % axes for number in range(count))
+    return actuator_of(
+        _cut_link(actuator.link, share, index),
+        actuator.placement,
+        tuple(joints[turn] for turn in turns),
+        turns,
+        axes,
+    )
+
+
+def _cut_link(link: LinkDefinition, share: float, index: int) -> LinkDefinition:
+    solid = link.solid
+    if isinstance(solid, Box):
+        x, y, z = solid.size
+        shorter: Box | Cylinder = Box((x, y, z * share))
+    elif isinstance(solid, Cylinder):
+        shorter = Cylinder(solid.length * share, solid.radius)
+    else:
+        raise NotUniform(f"the links of actuator {index} are spheres, which have no length")
+    return replace(link, solid=shorter, mass=link.mass * share, inertia=None)

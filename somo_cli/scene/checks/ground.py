@@ -1,0 +1,52 @@
+"""Faults of a scene with a ground: what starts in it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from somo_cli.document.parse import Document
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator.chain import Chain
+from somo_cli.manipulator.definition_checks import IsSound
+from somo_cli.manipulator.kinematics import Pose, link_poses
+from somo_cli.problems import Pointer, Problem
+from somo_cli.scene.extents import MAX_RELATIVE_DEPTH, min_height
+from somo_cli.scene.model import values_per_joint
+
+
+def ground_problems(
+    document: Document, at: Pointer, data: Mapping[str, Any], chain: Chain, is_sound: IsSound
+) -> Iterator[Problem]:
+    """Yield an error for the manipulator `data` at `at` if it starts inside the scene's ground.
+
+    A base that is held may stand in the ground, with which it cannot collide.
+    """
+    scene: Any = document.data
+    keys = ("position", "rpy", "base", "initial_angles")
+    if "ground" not in scene or not is_sound(("ground",)):
+        return
+    if not all(is_sound((*at, key)) for key in keys):
+        return
+    angles = values_per_joint(data.get("initial_angles", 0), len(chain.joints))
+    if len(angles) != len(chain.joints):
+        return  # told where the start is judged
+    rotation = geometry.rotation_from_rpy(tuple(data.get("rpy", geometry.ZERO)))
+    base = Pose(tuple(data.get("position", geometry.ZERO)), rotation)
+    height = float(scene["ground"].get("height", 0))
+    poses = link_poses(chain, angles, base)
+    first = 0 if data.get("base") == "free" else 1
+    depths = {
+        link.name: height - min(min_height(shape, pose) for shape in link.shapes)
+        for link, pose in zip(chain.links[first:], poses[first:], strict=True)
+        if link.shapes
+    }
+    if not depths:
+        return
+    name = max(depths, key=depths.__getitem__)
+    if depths[name] > MAX_RELATIVE_DEPTH * chain.length:
+        yield Problem(
+            document.span((*at, "position")),
+            f"link '{name}' starts {depths[name]:.3g} m inside the ground",
+            "raise the manipulator with position, or lower the ground with its height",
+        )

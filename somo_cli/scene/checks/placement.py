@@ -1,0 +1,68 @@
+"""Faults of meaning in what objects stand on, each with its place."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from difflib import get_close_matches
+from typing import Any
+
+from somo_cli.document.parse import Document
+from somo_cli.manipulator.definition_checks import IsSound
+from somo_cli.problems import Pointer, Problem
+from somo_cli.scene.contact_surface import GROUND_NAME
+
+
+def placement_problems(
+    document: Document, objects: list[Any], is_sound: IsSound
+) -> Iterator[Problem]:
+    """Yield every place that names nothing, and every circle of places."""
+    names = [item["name"] for item in objects if isinstance(item, Mapping) and "name" in item]
+    has_ground = isinstance(document.data, Mapping) and "ground" in document.data
+    on: dict[str, str] = {}
+    for index, item in enumerate(objects):
+        at: Pointer = ("objects", index, "place", "on")
+        if not isinstance(item, Mapping) or "place" not in item or not is_sound(at[:2]):
+            continue
+        name = item["place"]["on"]
+        if name in names:
+            on[item["name"]] = name
+        elif name != GROUND_NAME:
+            yield Problem(
+                document.span(at),
+                f"there is no object '{name}'",
+                _known_objects_hint(name, names, has_ground),
+            )
+        elif not has_ground:
+            message = "there is no ground to stand on"
+            yield Problem(document.span(at), message, "add ground: {}, or name an object")
+    yield from _circular_placements(document, objects, on)
+
+
+def _known_objects_hint(name: str, names: list[str], has_ground: bool) -> str:
+    known = [GROUND_NAME, *names] if has_ground else names
+    close = get_close_matches(str(name), map(str, known), 1, 0.7)
+    return f"did you mean '{close[0]}'?" if close else f"there are {', '.join(map(str, known))}"
+
+
+def _circular_placements(
+    document: Document, objects: list[Any], on: Mapping[str, str]
+) -> Iterator[Problem]:
+    """Yield one fault for each circle, at the first object of it in the file."""
+    reported: set[str] = set()
+    for index, item in enumerate(objects):
+        start = str(item.get("name")) if isinstance(item, Mapping) else ""
+        if start in reported:
+            continue
+        chain = [start]
+        while chain[-1] in on and on[chain[-1]] not in chain:
+            chain.append(on[chain[-1]])
+        if on.get(chain[-1]) != start:
+            continue
+        reported.update(chain)
+        place = document.span(("objects", index, "place", "on"))
+        if len(chain) == 1:
+            message = f"'{start}' cannot stand on itself"
+        else:
+            circle = " on ".join(f"'{name}'" for name in (*chain, start))
+            message = f"objects stand on each other in a circle: {circle}"
+        yield Problem(place, message, "let one of them stand on something else")

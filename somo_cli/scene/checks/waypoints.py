@@ -1,0 +1,54 @@
+"""Faults of way-points over time, whatever it is that goes through them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from somo_cli.document.parse import Document
+from somo_cli.problems import Pointer, Problem
+
+
+def waypoint_problems(
+    document: Document, at: Pointer, data: Mapping[str, Any], quantity: str, unit: str
+) -> Iterator[Problem]:
+    """Yield every fault of the waypoints of the entry `data` at `at`, and of their repetition.
+
+    They are [time, quantity] pairs; `unit` is what to write behind a value, such as " N·m".
+    """
+    points = data["waypoints"]
+    for number in range(1, len(points)):
+        if points[number][0] <= points[number - 1][0]:
+            yield Problem(
+                document.span((*at, "waypoints", number)),
+                f"time {points[number][0]} s does not come after {points[number - 1][0]} s",
+                f"way-points are [time, {quantity}], and each has a later time than the one before",
+            )
+    if data.get("repeat"):
+        yield from _repeat_problems(document, at, data, quantity, unit)
+
+
+def _repeat_problems(
+    document: Document, at: Pointer, data: Mapping[str, Any], quantity: str, unit: str
+) -> Iterator[Problem]:
+    points = data["waypoints"]
+    first, last = (*at, "waypoints", 0), (*at, "waypoints", len(points) - 1)
+    if points[0][0] < 0:
+        message = f"repeated way-points start at time {points[0][0]} s, before 0"
+        yield Problem(document.span(first), message, "start at time 0 or later")
+    if points[-1][0] <= 0:
+        message = f"repeated way-points have a period of {points[-1][0]} s"
+        hint = "the time of the last way-point is the period"
+        yield Problem(document.span(last), message, hint)
+    if data.get("interpolation") != "cubic":
+        return
+    if points[0][0] > 0:
+        message = f"a repeated cubic starts at time 0, not {points[0][0]} s"
+        yield Problem(document.span(first), message, "add a way-point at time 0")
+    if points[0][1] != points[-1][1]:
+        yield Problem(
+            document.span(last),
+            f"a repeated cubic ends at the {quantity} it starts with, {points[0][1]}{unit}, "
+            f"not {points[-1][1]}{unit}",
+            f"end with [{points[-1][0]}, {points[0][1]}], or use interpolation: linear",
+        )

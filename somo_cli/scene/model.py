@@ -1,0 +1,288 @@
+"""The scene as a person describes it, in SI, and `read(document)`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+from somo_cli.document.parse import Document
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator import read as manipulator_read
+from somo_cli.manipulator.assembly import is_assembly
+from somo_cli.manipulator.chain import Chain, Limb
+from somo_cli.manipulator.compile import FILE_POINTERS as DEFINITION_FILE_POINTERS
+from somo_cli.manipulator.compile import Compiled, compile_sound
+from somo_cli.manipulator.dimensions import Force, Number, Position, Scale, Time, Torque
+from somo_cli.manipulator.geometry import Vector
+from somo_cli.problems import Pointer
+from somo_cli.scene import actuation, contact_surface
+from somo_cli.scene import stop_conditions as stop_conditions_module
+from somo_cli.scene.actuation import Actuation
+from somo_cli.scene.contact_surface import Ground, ManipulatorSurfaces
+from somo_cli.scene.prescribed_motion import PrescribedMotion, read_motion
+from somo_cli.scene.rigid_object import ObjectQuantity, RigidObject, read_object
+from somo_cli.scene.signals import Interpolation
+from somo_cli.scene.sorotraj import Trajectory, read_trajectory
+from somo_cli.scene.stop_conditions import StopCondition
+
+Integrator = Literal["implicit", "euler", "explicit"]
+Base = Literal["static", "free", "constrained"]
+Frame = Literal["world", "body"]
+Quantity = Literal[
+    "joint_angles",
+    "joint_rates",
+    "spring_torques",
+    "actuation",
+    "link_positions",
+    "link_orientations",
+    "base_pose",
+    "tip_position",
+    "curvatures",
+    "energy",
+    "contact_force",
+    "contact_pairs",
+    "link_contact_forces",
+]
+
+ClosedForm = Literal[
+    "pendulum",
+    "damped_oscillator",
+    "cantilever_tip_load",
+    "elastica",
+    "end_moment",
+    "own_weight",
+]
+
+DEFAULT_TIME_STEP = 1e-3  # s
+AUTOMATIC_TIME_STEP = "auto"
+"""In place of a time step: the one that `somo check --numerics` recommends."""
+DEFAULT_GRAVITY = (0.0, 0.0, -9.81)  # m/s²
+DEFAULT_QUANTITIES: tuple[Quantity, ...] = ("joint_angles", "tip_position")
+ALL_QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
+ALL_OBJECT_QUANTITIES: tuple[ObjectQuantity, ...] = get_args(ObjectQuantity)
+
+FILE_POINTERS: tuple[tuple[str, ...], ...] = (
+    ("manipulators", "*", "definition"),
+    *(("manipulators", "*", "definition", *place) for place in DEFINITION_FILE_POINTERS),
+    ("trajectories", "*", "sorotraj"),
+)
+"""Where a scene may name a file instead of holding a mapping."""
+
+
+@dataclass(frozen=True, slots=True)
+class ExternalLoad:
+    """A force and a moment on one link, 0 the base, times a factor over time.
+
+    `point`, where the force acts, is in the link's frame. Force and moment are in the world's axes
+    or, if `frame` is "body", in those of the link, with which they turn.
+    """
+
+    link: int
+    point: Position
+    force: tuple[Force, Force, Force]
+    moment: tuple[Torque, Torque, Torque]
+    frame: Frame
+    waypoints: tuple[tuple[Time, Number], ...]
+    interpolation: Interpolation
+    repeat: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Manipulator:
+    """A compiled definition, where it stands [m, rad], how it starts [rad/s, m/s], what acts on it.
+
+    Position and velocities are those of the base frame's origin, in the world frame.
+    """
+
+    name: str
+    compiled: Compiled
+    position: Vector
+    rpy: Vector
+    base: Base
+    initial_angles: tuple[float, ...]
+    initial_rates: tuple[float, ...]
+    linear_velocity: Vector
+    angular_velocity: Vector
+    actuation: tuple[Actuation, ...]
+    loads: tuple[ExternalLoad, ...]
+    surfaces: ManipulatorSurfaces
+    has_self_collision: bool = False
+    motion: PrescribedMotion | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """Everything a run needs but the number of steps; SI throughout.
+
+    `object_quantities` is what is recorded of the objects, and `only` the patterns that a column of all
+    these has to match, if there are any. `stop_conditions` end a run early.
+    `reference` is the closed form that a study holds the results against, if there is one. Where
+    the scene leaves the time step to us, `is_time_step_automatic` says so, and `expected_tip_error` what error
+    of the tip, relative to the length, the step was chosen with.
+    """
+
+    time_step: float
+    gravity: Vector
+    integrator: Integrator
+    scale: Scale
+    manipulators: tuple[Manipulator, ...]
+    every: int
+    columns: tuple[Quantity, ...]
+    reference: ClosedForm | None
+    ground: Ground | None
+    objects: tuple[RigidObject, ...]
+    object_quantities: tuple[ObjectQuantity, ...]
+    only: tuple[str, ...] = ()
+    stop_conditions: tuple[StopCondition, ...] = ()
+    has_contact_events: bool = False
+    is_time_step_automatic: bool = False
+    expected_tip_error: float | None = None
+
+
+def is_scene(document: Document) -> bool:
+    """Tell a scene from a definition, of a manipulator or an assembly, by its keys."""
+    keys = set(document.data) if isinstance(document.data, dict) else set()
+    if "manipulators" in keys or is_assembly(document.data):
+        return "manipulators" in keys
+    if keys & {"manipulator_name", "actuator_definitions"}:
+        return False
+    return not keys.isdisjoint(
+        {"time_step", "gravity", "integrator", "record", "reference", "ground", "objects", "stop"}
+    )
+
+
+def single_manipulator_scene(definition: Document) -> Document:
+    """Return the scene of one manipulator alone: fixed, under gravity, everything default."""
+    # the whole scene stands where the definition stands, so that no fault points to nowhere
+    place: Pointer = ("manipulators", 0, "definition")
+    spans = {(*place, *pointer): pair for pointer, pair in definition.spans.items()}
+    spans |= {place[:length]: definition.spans[()] for length in range(len(place))}
+    data = {"manipulators": [{"definition": definition.data}]}
+    return Document(definition.source, data, definition.texts, spans)
+
+
+def read_trajectories(data: Any) -> Mapping[str, Trajectory]:
+    """Return the trajectories that a scene without faults names."""
+    return {
+        item["name"]: read_trajectory(
+            item["sorotraj"],
+            int(item.get("repetitions", 1)),
+            float(item.get("speed_factor", 1)),
+            item.get("invert", False),
+        )
+        for item in data.get("trajectories", ())
+    }
+
+
+def read_scene(document: Document) -> Scene:
+    """Return the scene of a document in which no error was found.
+
+    A time step that is left to us is the default one as yet: `loading` knows how to choose.
+    """
+    data: Any = document.data
+    record = data.get("record", {})
+    only = tuple(record.get("only", ()))
+    trajectories = read_trajectories(data)
+    manipulators = tuple(
+        _manipulator(document, index, item, trajectories)
+        for index, item in enumerate(data["manipulators"])
+    )
+    scale = manipulator_read.world_scale(document)
+    if scale is None:
+        scale = manipulators[0].compiled.scale or Scale()
+    time_step = data.get("time_step", DEFAULT_TIME_STEP)
+    is_chosen = time_step == AUTOMATIC_TIME_STEP
+    return Scene(
+        time_step=DEFAULT_TIME_STEP if is_chosen else float(time_step),
+        gravity=geometry.vector(data.get("gravity", DEFAULT_GRAVITY)),
+        integrator=data.get("integrator", "implicit"),
+        scale=scale,
+        manipulators=manipulators,
+        every=int(record.get("every", 1)),
+        columns=tuple(
+            dict.fromkeys(record.get("columns", ALL_QUANTITIES if only else DEFAULT_QUANTITIES))
+        ),
+        reference=data.get("reference"),
+        ground=contact_surface.read_ground(data["ground"]) if "ground" in data else None,
+        objects=tuple(read_object(item) for item in data.get("objects", ())),
+        object_quantities=tuple(
+            dict.fromkeys(record.get("objects", ALL_OBJECT_QUANTITIES if only else ("pose",)))
+        ),
+        only=only,
+        stop_conditions=stop_conditions_module.read_stop_conditions(data.get("stop", ())),
+        has_contact_events=bool(record.get("events", False)),
+        is_time_step_automatic=is_chosen,
+    )
+
+
+def _manipulator(
+    document: Document, index: int, data: Any, trajectories: Mapping[str, Trajectory]
+) -> Manipulator:
+    compiled = compile_sound(document, ("manipulators", index, "definition"), ())
+    count = len(compiled.chain.joints)
+    return Manipulator(
+        name=manipulator_name_of(data),
+        compiled=compiled,
+        position=geometry.vector(data.get("position", (0, 0, 0))),
+        rpy=geometry.vector(data.get("rpy", (0, 0, 0))),
+        base=data.get("base", "static"),
+        initial_angles=values_per_joint(data.get("initial_angles", 0), count),
+        initial_rates=values_per_joint(data.get("initial_rates", 0), count),
+        linear_velocity=geometry.vector(data.get("linear_velocity", (0, 0, 0))),
+        angular_velocity=geometry.vector(data.get("angular_velocity", (0, 0, 0))),
+        actuation=tuple(
+            one
+            for item in data.get("actuation", ())
+            for one in actuation.read_actuation(item, compiled.definition, trajectories)
+        ),
+        loads=tuple(_load(item, compiled.chain) for item in data.get("loads", ())),
+        surfaces=contact_surface.read_surfaces(data.get("surface", {})),
+        has_self_collision=bool(data.get("self_collision", False)),
+        motion=read_motion(data["motion"]) if "motion" in data else None,
+    )
+
+
+def manipulator_name_of(data: Any) -> str:
+    """Return the name of a manipulator of a scene: its own, else its definition's."""
+    definition = data["definition"]
+    key = "assembly_name" if is_assembly(definition) else "manipulator_name"
+    return str(data.get("name", definition[key]))
+
+
+def values_per_joint(value: Any, count: int) -> tuple[float, ...]:
+    """Return one number per joint from one number for all, or from a list of them."""
+    return tuple(map(float, value)) if isinstance(value, list) else (float(value),) * count
+
+
+def _load(data: Any, chain: Chain) -> ExternalLoad:
+    link = data.get("link", "tip")
+    point = geometry.vector(data.get("point", (0, 0, 0)))
+    if link in limbs_by_tip_name(chain):
+        point = geometry.add(limbs_by_tip_name(chain)[link].tip, point)
+    waypoints = data.get("waypoints", ((0, 1),))
+    return ExternalLoad(
+        link=link_index(link, chain),
+        point=point,
+        force=geometry.vector(data.get("force", (0, 0, 0))),
+        moment=geometry.vector(data.get("moment", (0, 0, 0))),
+        frame=data.get("frame", "world"),
+        waypoints=tuple((float(time), float(factor)) for time, factor in waypoints),
+        interpolation=data.get("interpolation", "linear"),
+        repeat=bool(data.get("repeat", False)),
+    )
+
+
+def link_index(name: str, chain: Chain) -> int:
+    """Return the place in a chain of the link of this name, of the one that has it for a tip.
+
+    Raises ValueError if there is none.
+    """
+    if name in limbs_by_tip_name(chain):
+        return limbs_by_tip_name(chain)[name].last_link
+    return [link.name for link in chain.links].index(name)
+
+
+def limbs_by_tip_name(chain: Chain) -> Mapping[str, Limb]:
+    """Return what the tips of a chain are called: `tip`, or after the limbs of an assembly."""
+    return {f"{limb.prefix}tip": limb for limb in chain.backbones}

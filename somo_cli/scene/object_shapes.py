@@ -1,0 +1,124 @@
+"""What an object is made of: its shapes and its inertia, in its frame."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from somo_cli.manipulator import geometry, solids
+from somo_cli.manipulator.chain import Link, Shape
+from somo_cli.manipulator.definition import Material
+from somo_cli.manipulator.read import solid_from
+from somo_cli.manipulator.round_solids import Capsule, RoundedBox
+from somo_cli.manipulator.solids import AnySolid, Inertial, Solid
+
+if TYPE_CHECKING:
+    from somo_cli.scene.mesh import MeshProperties
+    from somo_cli.scene.urdf_rigid_body import UrdfRigidBody
+
+PLACEHOLDER_MASS = 1.0  # kg, of what cannot move and so needs none
+_DEFAULT_MATERIAL = Material("object", (0.8, 0.6, 0.3, 1.0))
+
+
+def object_link(data: Mapping[str, Any]) -> Link:
+    """Return the one link of the object that a sound mapping describes."""
+    found = _link(data)
+    if "material_color" not in data:
+        return found
+    red, green, blue, opacity = map(float, data["material_color"])
+    material = Material("object", (red, green, blue, opacity))
+    return replace(found, shapes=tuple(replace(one, material=material) for one in found.shapes))
+
+
+def _link(data: Mapping[str, Any]) -> Link:
+    if data["shape_type"] == "mesh":
+        return _link_of_meshes(data)
+    if data["shape_type"] == "urdf":
+        return _link_of_urdf(data)
+    solid = solid_from_dimensions(data)
+    mass = _mass(data, solids.volume(solid))
+    inertial = Inertial(mass, geometry.ZERO, solids.inertia(solid, mass))
+    return Link("object", inertial, (placed_shape(solid),))
+
+
+def solid_from_dimensions(data: Mapping[str, Any]) -> Solid | Capsule | RoundedBox:
+    """Return the solid of a `shape_type` that has `dimensions`."""
+    dimensions = [float(value) for value in data["dimensions"]]
+    if data["shape_type"] == "capsule":
+        return Capsule(dimensions[0], dimensions[1])
+    if data.get("edge_radius", 0) > 0:
+        return RoundedBox(geometry.vector(dimensions), float(data["edge_radius"]))
+    return solid_from(data["shape_type"], dimensions)
+
+
+def measured_meshes(data: Mapping[str, Any]) -> list[MeshProperties]:
+    """Return what is known of each mesh of an object. Raises MeshError."""
+    from somo_cli.scene.mesh import mesh_properties
+
+    return [
+        mesh_properties(one["text"], one["source"], mesh_axis_factors(data))
+        for one in mesh_files(data["mesh"])
+    ]
+
+
+def mesh_files(value: Any) -> list[Mapping[str, Any]]:
+    """Return the files of `mesh`, which is one or a list."""
+    return value if isinstance(value, list) else [value]
+
+
+def mesh_axis_factors(data: Mapping[str, Any]) -> geometry.Vector:
+    """Return the factors on the axes of a mesh."""
+    scale = data.get("mesh_scale", 1)
+    return geometry.vector(scale if isinstance(scale, list) else [scale] * 3)
+
+
+def object_urdf_body(data: Mapping[str, Any]) -> UrdfRigidBody:
+    """Return what the URDF of an object says, and its faults."""
+    from somo_cli.scene import urdf_rigid_body, urdf_xml
+
+    file = data["urdf"]
+    names = urdf_xml.mesh_filenames(file["text"], file["source"])
+    read = [
+        (one["source"], one["text"]) for one in file.get("meshes", ()) if isinstance(one, Mapping)
+    ]
+    # each name stands for the file at its place
+    meshes = dict(zip(names, read, strict=True)) if len(read) == len(names) else {}
+    return urdf_rigid_body.read_rigid_body(file["text"], file["source"], meshes)
+
+
+def placed_shape(
+    solid: AnySolid,
+    position: geometry.Vector = geometry.ZERO,
+    rpy: geometry.Vector = geometry.ZERO,
+) -> Shape:
+    """Return a shape of an object: the solid at a pose in the object's frame."""
+    return Shape(solid, position, rpy, _DEFAULT_MATERIAL, 1.0)
+
+
+def _link_of_meshes(data: Mapping[str, Any]) -> Link:
+    parts = measured_meshes(data)
+    solid = [
+        one.mesh_inertial or one.hull_inertial for one in parts
+    ]  # an open one is fixed, and has no weight
+    whole = solids.lumped(tuple(solid))
+    mass = _mass(data, whole.mass)
+    factor = mass / whole.mass
+    xx, xy, xz, yy, yz, zz = (factor * value for value in whole.inertia)
+    inertial = Inertial(mass, whole.centre, (xx, xy, xz, yy, yz, zz))
+    return Link("object", inertial, tuple(placed_shape(one.hull) for one in parts))
+
+
+def _link_of_urdf(data: Mapping[str, Any]) -> Link:
+    body = object_urdf_body(data)
+    shapes = tuple(placed_shape(one.solid, one.position, one.rpy) for one in body.solids)
+    if not body.inertials:  # so it is fixed
+        ball = solids.inertia(solids.Sphere(1.0), PLACEHOLDER_MASS)
+        return Link("object", Inertial(PLACEHOLDER_MASS, geometry.ZERO, ball), shapes)
+    return Link("object", solids.lumped(tuple(body.inertials)), shapes)
+
+
+def _mass(data: Mapping[str, Any], volume: float) -> float:
+    if "density" in data:
+        return float(data["density"]) * volume
+    return float(data.get("mass", PLACEHOLDER_MASS))

@@ -1,0 +1,80 @@
+"""Whether anything in a scene can be in anything else at the start, told without an engine."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator.chain import Chain
+from somo_cli.manipulator.geometry import Matrix
+from somo_cli.manipulator.kinematics import Pose, link_poses
+from somo_cli.scene.extents import max_height, min_height
+from somo_cli.scene.model import Scene
+from somo_cli.scene.placement import with_heights
+
+BoundingBox = tuple[tuple[float, float], ...]
+"""The lowest and the highest coordinate [m] along x, y and z of the world."""
+
+# the world rotated so that its x, its y and its z axis points upwards
+_AXIS_UP_ROTATIONS: tuple[Matrix, ...] = (
+    ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)),
+    ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
+    geometry.IDENTITY,
+)
+
+
+def can_overlap_at_start(scene: Scene) -> bool:
+    """Whether boxes around two parts of a scene meet, or one around a part and the ground."""
+    boxes: list[tuple[BoundingBox, bool]] = []
+    for one in scene.manipulators:
+        start = Pose(one.position, geometry.rotation_from_rpy(one.rpy))
+        boxes.append((bounding_box(one.compiled.chain, one.initial_angles, start), False))
+    for rigid_object in with_heights(scene.objects, scene.ground):
+        start = Pose(rigid_object.position, geometry.rotation_from_rpy(rigid_object.rpy))
+        boxes.append(
+            (bounding_box(rigid_object.chain, (), start), rigid_object.has_prescribed_pose)
+        )
+    ground = scene.ground
+    if ground is not None and any(
+        not has_prescribed_pose and box[2][0] < ground.height for box, has_prescribed_pose in boxes
+    ):
+        return True
+    return any(
+        _boxes_intersect(one, other)
+        for (one, has_prescribed_pose), (other, is_other_held) in itertools.combinations(boxes, 2)
+        if not (has_prescribed_pose and is_other_held)
+    )
+
+
+def bounding_box(chain: Chain, angles: Sequence[float], base: Pose) -> BoundingBox:
+    """Return the box around a chain at these joint angles [rad]; not a number without shapes."""
+    poses = link_poses(chain, angles, base)
+    shapes = [
+        (shape, pose)
+        for link, pose in zip(chain.links, poses, strict=True)
+        for shape in link.shapes
+    ]
+    found = []
+    for rotation in _AXIS_UP_ROTATIONS:
+        rotated = [(shape, _rotated(pose, rotation)) for shape, pose in shapes]
+        found.append(
+            (
+                min((min_height(*one) for one in rotated), default=float("nan")),
+                max((max_height(*one) for one in rotated), default=float("nan")),
+            )
+        )
+    return tuple(found)
+
+
+def _rotated(pose: Pose, rotation: Matrix) -> Pose:
+    return Pose(
+        geometry.rotate(rotation, pose.position), geometry.multiply(rotation, pose.rotation)
+    )
+
+
+def _boxes_intersect(one: BoundingBox, other: BoundingBox) -> bool:
+    return all(
+        low < other_high and other_low < high
+        for (low, high), (other_low, other_high) in zip(one, other, strict=True)
+    )

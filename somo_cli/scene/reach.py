@@ -1,0 +1,57 @@
+"""Whether anything in a scene can ever touch anything, told by how far its parts reach."""
+
+from __future__ import annotations
+
+import itertools
+
+from somo_cli.manipulator import geometry, solids
+from somo_cli.manipulator.chain import Chain
+from somo_cli.manipulator.dimensions import Dimension
+from somo_cli.manipulator.kinematics import ways
+from somo_cli.scene.model import Scene
+from somo_cli.scene.placement import with_heights
+
+CONTACT_MARGIN = 0.02  # engine units; seen in 3.2.7: contact begins 0.004 units before shapes meet
+
+
+def can_touch(scene: Scene) -> bool:
+    """Whether two parts of a scene may come to touch, wherever their joints go.
+
+    False only where no two can: every base is static, every object fixed, and the reach_spheres in which
+    manipulators are whatever their joints do are clear of each other, of objects and of the ground.
+    """
+    if any(one.has_self_collision for one in scene.manipulators):
+        return True
+    objects = with_heights(scene.objects, scene.ground)
+    if len(scene.manipulators) == 1 and not objects and scene.ground is None:
+        return False
+    if any(one.base != "static" for one in scene.manipulators):
+        return True
+    if not all(rigid_object.is_fixed for rigid_object in objects):
+        return True
+    margin = CONTACT_MARGIN / scene.scale.factor(Dimension(length=1))
+    reach_spheres = [
+        (one.position, reach(one.compiled.chain) + margin) for one in scene.manipulators
+    ]
+    others = [(rigid_object.position, reach(rigid_object.chain)) for rigid_object in objects]
+    if scene.ground is not None and any(
+        centre[2] - radius < scene.ground.height for centre, radius in reach_spheres
+    ):
+        return True
+    pairs = [*itertools.combinations(reach_spheres, 2), *itertools.product(reach_spheres, others)]
+    return any(
+        geometry.norm(geometry.subtract(one, other)) < radius + other_radius
+        for (one, radius), (other, other_radius) in pairs
+    )
+
+
+def reach(chain: Chain) -> float:
+    """Return how far from its base frame's origin any shape of a chain can get [m], at most."""
+    return max(
+        (
+            way + geometry.norm(shape.position) + solids.circumradius(shape.solid)
+            for way, link in zip(ways(chain), chain.links, strict=True)
+            for shape in link.shapes
+        ),
+        default=0.0,
+    )

@@ -1,0 +1,78 @@
+"""Objects of a scene, fixed or free: rigid bodies, which nothing of ours drives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from somo_cli.manipulator import geometry, solids
+from somo_cli.manipulator.chain import Chain
+from somo_cli.manipulator.dimensions import (
+    Angle,
+    AngularRate,
+    Length,
+    Velocity,
+)
+from somo_cli.scene import object_shapes
+from somo_cli.scene.contact_surface import ContactSurface, read_surface
+from somo_cli.scene.prescribed_motion import PrescribedMotion, read_motion
+
+ObjectQuantity = Literal["pose", "velocity", "angles", "contact_force", "contact_pairs"]
+
+
+@dataclass(frozen=True, slots=True)
+class Placement:
+    """What an object stands on, ground or another object by its name, and how far above it."""
+
+    on: str
+    gap: Length
+
+
+@dataclass(frozen=True, slots=True)
+class RigidObject:
+    """An object: a chain of one link, and how it starts, in the world.
+
+    The pose is that of its frame, the velocity that of its centre of mass. With a place the height
+    of its position is not yet known; see `placing`.
+    """
+
+    name: str
+    chain: Chain
+    is_fixed: bool
+    position: tuple[Length, Length, Length]
+    rpy: tuple[Angle, Angle, Angle]
+    linear_velocity: tuple[Velocity, Velocity, Velocity]
+    angular_velocity: tuple[AngularRate, AngularRate, AngularRate]
+    surface: ContactSurface
+    motion: PrescribedMotion | None = None
+    placement: Placement | None = None
+
+    @property
+    def has_prescribed_pose(self) -> bool:
+        """Whether nothing that touches it moves it."""
+        return self.is_fixed or self.motion is not None
+
+
+def read_placement(data: Mapping[str, Any]) -> Placement:
+    """Return the place that a sound mapping describes."""
+    return Placement(str(data["on"]), float(data.get("gap", 0)))
+
+
+def read_object(data: Mapping[str, Any]) -> RigidObject:
+    """Return the object that a sound mapping describes."""
+    name = str(data["name"])
+    link = object_shapes.object_link(data)
+    height = max(solids.height(shape.solid) for shape in link.shapes)
+    return RigidObject(
+        name=name,
+        chain=Chain(name, (link,), (), geometry.ZERO, height),
+        is_fixed=bool(data.get("fixed", False)),
+        position=geometry.vector(data.get("position", (0, 0, 0))),
+        rpy=geometry.vector(data.get("rpy", (0, 0, 0))),
+        linear_velocity=geometry.vector(data.get("linear_velocity", (0, 0, 0))),
+        angular_velocity=geometry.vector(data.get("angular_velocity", (0, 0, 0))),
+        surface=read_surface(data),
+        motion=read_motion(data["motion"]) if "motion" in data else None,
+        placement=read_placement(data["place"]) if "place" in data else None,
+    )

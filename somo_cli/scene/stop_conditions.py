@@ -1,0 +1,69 @@
+"""What may end a run before its last step: conditions as a scene has them, in SI."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+from somo_cli.manipulator.dimensions import AngularRate, Length, Time, Velocity
+
+AXIS_NAMES = ("x", "y", "z")
+DEFAULT_REST_DURATION = 0.5  # s
+DEFAULT_REST_SPEED = 1e-4  # m/s
+DEFAULT_REST_RATE = 1e-3  # rad/s
+
+
+@dataclass(frozen=True, slots=True)
+class StopAtTime:
+    """The run ends with the first step that is not before `time`."""
+
+    time: Time
+
+
+@dataclass(frozen=True, slots=True)
+class StopOutsideBox:
+    """It ends when the centre of an object is outside a box of the world, infinite where open."""
+
+    object_name: str
+    lower: tuple[Length, Length, Length]
+    upper: tuple[Length, Length, Length]
+
+
+@dataclass(frozen=True, slots=True)
+class StopAtRest:
+    """It ends when all has been slow for so long, and not before `after` [s].
+
+    Slow are joints and what turns freely below `rate`, centres of objects and free bases below
+    `speed`.
+    """
+
+    duration: Time
+    after: Time
+    speed: Velocity
+    rate: AngularRate
+
+
+StopCondition: TypeAlias = StopAtTime | StopOutsideBox | StopAtRest
+
+
+def read_stop_conditions(items: Sequence[Mapping[str, Any]]) -> tuple[StopCondition, ...]:
+    """Return the conditions of a list without faults, in its order."""
+    return tuple(map(_read_stop_condition, items))
+
+
+def _read_stop_condition(data: Mapping[str, Any]) -> StopCondition:
+    if "time" in data:
+        return StopAtTime(float(data["time"]))
+    if "at_rest" in data:
+        rest = data["at_rest"]
+        return StopAtRest(
+            duration=float(rest.get("for", DEFAULT_REST_DURATION)),
+            after=float(rest.get("after", 0)),
+            speed=float(rest.get("speed", DEFAULT_REST_SPEED)),
+            rate=float(rest.get("rate", DEFAULT_REST_RATE)),
+        )
+    box = [data["leaves"].get(axis, (-math.inf, math.inf)) for axis in AXIS_NAMES]
+    lower, upper = zip(*((float(low), float(high)) for low, high in box), strict=True)
+    return StopOutsideBox(str(data["object"]), lower, upper)

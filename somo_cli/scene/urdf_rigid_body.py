@@ -1,0 +1,255 @@
+"""The links of a URDF file, joined by fixed joints, as one rigid body: its shapes and inertias."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator.geometry import Vector
+from somo_cli.manipulator.hull import Hull
+from somo_cli.manipulator.kinematics import Pose
+from somo_cli.manipulator.round_solids import Capsule
+from somo_cli.manipulator.solids import AnySolid, Box, Cylinder, Inertial, Sphere, placed
+from somo_cli.problems import InvalidFile, Problem, Span
+from somo_cli.scene import mesh, urdf_xml
+from somo_cli.scene.urdf_xml import XmlElement
+
+_SHAPES = ("box", "sphere", "cylinder", "capsule", "mesh")
+_INERTIA_ATTRIBUTES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+
+@dataclass(frozen=True, slots=True)
+class PlacedSolid:
+    """A collision shape in the frame of the root link."""
+
+    solid: AnySolid
+    position: Vector
+    rpy: Vector
+
+
+@dataclass(slots=True)
+class UrdfRigidBody:
+    """What a URDF says of one rigid body, in the frame of its root link, and what is wrong with it.
+
+    `links_without_inertia` has the places of links that have a shape and no inertia.
+    """
+
+    span: Span
+    solids: list[PlacedSolid] = field(default_factory=list)
+    inertials: list[Inertial] = field(default_factory=list)
+    links_without_inertia: list[tuple[str, Span]] = field(default_factory=list)
+    problems: list[Problem] = field(default_factory=list)
+
+
+def read_rigid_body(text: str, source: str, meshes: Mapping[str, tuple[str, str]]) -> UrdfRigidBody:
+    """Return the body of a URDF; `meshes` are source and text of the files that it names."""
+    body = UrdfRigidBody(Span(source, 1, 1))
+    try:
+        root = urdf_xml.parse_xml(text, source)
+    except InvalidFile as error:
+        body.problems.extend(error.problems)
+        return body
+    body.span = root.span
+    if root.tag != "robot":
+        _report(body, root, f"a URDF starts with <robot>, not with <{root.tag}>")
+        return body
+    links = _elements_by_name(body, root, "link")
+    poses = _poses(body, root, links)
+    for name, pose in poses.items():
+        _add_link(body, links[name], pose, meshes)
+    if not body.problems and not body.solids:
+        _report(body, root, "there is no collision shape in it", "nothing could touch it")
+    return body
+
+
+def _report(body: UrdfRigidBody, element: XmlElement, message: str, hint: str = "") -> None:
+    body.problems.append(Problem(element.span, message, hint))
+
+
+def _elements_by_name(body: UrdfRigidBody, root: XmlElement, tag: str) -> dict[str, XmlElement]:
+    found: dict[str, XmlElement] = {}
+    for element in root.children_with_tag(tag):
+        name = element.attributes.get("name")
+        if name is None:
+            _report(body, element, f"this {tag} has no name")
+        elif name in found:
+            _report(body, element, f"there is another {tag} '{name}'")
+        else:
+            found[name] = element
+    return found
+
+
+def _poses(
+    body: UrdfRigidBody, root: XmlElement, links: Mapping[str, XmlElement]
+) -> dict[str, Pose]:
+    """Return the pose of every link in the root link."""
+    joints: dict[str, tuple[str, Pose]] = {}  # of the child: its parent, and its pose there
+    for joint in root.children_with_tag("joint"):
+        name = joint.attributes.get("name", "")
+        kind = joint.attributes.get("type", "")
+        if kind != "fixed":
+            hint = "an object is one rigid body: make it fixed, or describe a manipulator"
+            _report(body, joint, f"joint '{name}' is {kind or 'of no type'}, not fixed", hint)
+        ends = [joint.first_child_with_tag(end) for end in ("parent", "child")]
+        parent, child = (end.attributes.get("link", "") if end else "" for end in ends)
+        unknown = [one for one in (parent, child) if one not in links]
+        if unknown:
+            known = f"links: {', '.join(links) or 'none'}"
+            _report(body, joint, f"joint '{name}' joins '{unknown[0]}', which is no link", known)
+        elif child in joints:
+            _report(body, joint, f"link '{child}' has two parents")
+        else:
+            joints[child] = (parent, _origin(body, joint))
+    roots = [name for name in links if name not in joints]
+    if len(roots) != 1:
+        if not body.problems:
+            several = f"there are {len(roots)} links without a parent: {', '.join(roots)}"
+            none = "every link has a parent" if links else "there is no link in it"
+            _report(body, root, several if roots else none, "join all to one link")
+        return {}
+    poses = {roots[0]: Pose()}
+    waiting = dict(joints)
+    while waiting:
+        ready = [child for child, (parent, _) in waiting.items() if parent in poses]
+        if not ready:
+            _report(
+                body,
+                links[next(iter(waiting))],
+                "this link hangs on itself",
+                "join all to one link",
+            )
+            break
+        for child in ready:
+            parent, pose = waiting.pop(child)
+            poses[child] = _composed(poses[parent], pose)
+    return {name: poses[name] for name in links if name in poses}
+
+
+def _composed(outer: Pose, inner: Pose) -> Pose:
+    return Pose(outer.point(inner.position), geometry.multiply(outer.rotation, inner.rotation))
+
+
+def _origin(body: UrdfRigidBody, element: XmlElement) -> Pose:
+    origin = element.first_child_with_tag("origin")
+    if origin is None:
+        return Pose()
+    position = _numbers(body, origin, "xyz", 3, "0 0 0")
+    rpy = _numbers(body, origin, "rpy", 3, "0 0 0")
+    return Pose(geometry.vector(position), geometry.rotation_from_rpy(geometry.vector(rpy)))
+
+
+def _numbers(
+    body: UrdfRigidBody, element: XmlElement, name: str, count: int, default: str | None = None
+) -> list[float]:
+    """Return the numbers of an attribute; ones in place of what is at fault, which is told."""
+    text = element.attributes.get(name, default)
+    words = "one number" if count == 1 else f"{count} numbers"
+    if text is None:
+        _report(body, element, f"<{element.tag}> has no {name}", f"it has {words}")
+        return [1.0] * count
+    try:
+        values = [float(word) for word in text.split()]
+    except ValueError:
+        values = []
+    if len(values) != count or not all(math.isfinite(value) for value in values):
+        _report(body, element, f"{name} of <{element.tag}> is '{text}'", f"it has {words}")
+        return [1.0] * count
+    return values
+
+
+def _positive_numbers(
+    body: UrdfRigidBody, element: XmlElement, name: str, count: int = 1
+) -> list[float]:
+    values = _numbers(body, element, name, count)
+    if min(values) <= 0:
+        text = element.attributes[name]
+        _report(body, element, f"{name} of <{element.tag}> is '{text}', not greater than 0")
+    return values
+
+
+def _add_link(
+    body: UrdfRigidBody, link: XmlElement, pose: Pose, meshes: Mapping[str, tuple[str, str]]
+) -> None:
+    inertial, collisions = (
+        link.first_child_with_tag("inertial"),
+        link.children_with_tag("collision"),
+    )
+    if inertial is not None:
+        _add_inertial(body, inertial, pose)
+    elif collisions:
+        body.links_without_inertia.append((link.attributes["name"], link.span))
+    for collision in collisions:
+        solid = _solid(body, collision, meshes)
+        place = _composed(pose, _origin(body, collision))
+        if solid is not None:
+            rpy = geometry.rpy_from_rotation(place.rotation)
+            body.solids.append(PlacedSolid(solid, place.position, rpy))
+
+
+def _add_inertial(body: UrdfRigidBody, element: XmlElement, pose: Pose) -> None:
+    mass, inertia = element.first_child_with_tag("mass"), element.first_child_with_tag("inertia")
+    if mass is None or inertia is None:
+        _report(body, element, f"<inertial> has no <{'mass' if mass is None else 'inertia'}>")
+        return
+    (value,) = _numbers(body, mass, "value", 1)
+    if value < 0:
+        _report(body, mass, f"the mass is {value:g} kg, less than 0")
+    xx, xy, xz, yy, yz, zz = (
+        _numbers(body, inertia, name, 1, _default_inertia(name))[0] for name in _INERTIA_ATTRIBUTES
+    )
+    if value > 0:
+        place = _composed(pose, _origin(body, element))
+        own = Inertial(value, geometry.ZERO, (xx, xy, xz, yy, yz, zz))
+        body.inertials.append(placed(own, place.position, place.rotation))
+
+
+def _default_inertia(name: str) -> str | None:
+    """Return what a moment or product of inertia is if left out."""
+    return None if name in ("ixx", "iyy", "izz") else "0"
+
+
+def _solid(
+    body: UrdfRigidBody, collision: XmlElement, meshes: Mapping[str, tuple[str, str]]
+) -> AnySolid | None:
+    shape = collision.first_child_with_tag("geometry")
+    element = next(iter(shape.children), None) if shape else None
+    if element is None:
+        _report(body, collision, "this collision has no geometry")
+        return None
+    if element.tag == "box":
+        return Box(geometry.vector(_positive_numbers(body, element, "size", 3)))
+    if element.tag == "mesh":
+        return _hull(body, element, meshes)
+    if element.tag not in _SHAPES:
+        _report(body, element, f"unknown shape <{element.tag}>", f"shapes: {', '.join(_SHAPES)}")
+        return None
+    (radius,) = _positive_numbers(body, element, "radius")
+    if element.tag == "sphere":
+        return Sphere(radius)
+    (length,) = _positive_numbers(body, element, "length")
+    return Cylinder(length, radius) if element.tag == "cylinder" else Capsule(length, radius)
+
+
+def _hull(
+    body: UrdfRigidBody, element: XmlElement, meshes: Mapping[str, tuple[str, str]]
+) -> Hull | None:
+    name = element.attributes.get("filename", "")
+    scale = geometry.vector(_numbers(body, element, "scale", 3, "1 1 1"))
+    if not name:
+        _report(body, element, "<mesh> has no filename")
+        return None
+    if 0 in scale:
+        _report(body, element, f"scale of <mesh> is '{element.attributes['scale']}'", "none is 0")
+        return None
+    if name not in meshes:
+        # only of a URDF in place: where a file names one that cannot be read, that is told
+        _report(body, element, f"mesh '{name}' is not given", "meshes has one file for each name")
+        return None
+    source, text = meshes[name]
+    try:
+        return mesh.mesh_properties(text, source, scale).hull
+    except mesh.MeshError as error:
+        _report(body, element, f"mesh '{name}': {error}", error.hint)
+        return None

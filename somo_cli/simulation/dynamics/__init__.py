@@ -1,0 +1,1 @@
+"""Rigid-body dynamics of chains of links, as arrays."""

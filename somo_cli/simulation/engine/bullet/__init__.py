@@ -1,0 +1,1 @@
+"""PyBullet behind the interface of an engine; nothing else knows it."""

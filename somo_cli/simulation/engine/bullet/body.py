@@ -1,0 +1,231 @@
+"""One body in PyBullet: loading, releasing and reading it back, its motion and its dynamics.
+
+The engine's module is handed in by `bullet`, which alone imports it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+from somo_cli.arrays import Array
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator.geometry import Vector
+from somo_cli.manipulator.kinematics import Pose
+from somo_cli.problems import EngineRefused
+from somo_cli.simulation.engine.bullet.contact_parameters import settings
+from somo_cli.simulation.engine.bullet.dynamics import BulletDynamics
+from somo_cli.simulation.engine.bullet.self_collision import spare_near_links
+from somo_cli.simulation.engine.readback import EngineJoint, EngineLink, mismatches
+from somo_cli.simulation.plan.model import Body
+
+MANY_JOINTS = 40  # for more of them it takes longer to read numbers for nothing than names
+UNLIMITED_RATE = 1e12  # rad/s; the engine's own clamp of 100 hides divergence
+# engine units; seen in 3.2.7: any motor has its row whose force times the time step is not 0, and
+# one of this force changes no rate but one that is exactly 0, to less than 1e-290 or so
+IDLE_TORQUE = 1e-300
+
+
+class BulletBody(BulletDynamics):
+    """One manipulator in the engine; joints in the order of its chain, engine units."""
+
+    def __init__(self, bullet: Any, client: int, body: Body, gravity: Vector, path: str) -> None:
+        # the inertia must come from the file, or the engine computes
+        # its own from the collision shapes
+        flags = bullet.URDF_USE_INERTIA_FROM_FILE | bullet.URDF_USE_IMPLICIT_CYLINDER
+        if body.has_self_collision:
+            flags |= bullet.URDF_USE_SELF_COLLISION
+        index: int = bullet.loadURDF(
+            path,
+            useFixedBase=body.base == "static",
+            flags=flags,
+            physicsClientId=client,
+        )
+        super().__init__(bullet, client, index, body, gravity)
+        self._joints = self._joint_indices()
+        # bound once, without a Python frame of ours between loop and engine: one tuple per joint,
+        # base to tip, that starts with angle and rate
+        self.joint_states: Callable[[], Any] = partial(
+            bullet.getJointStates, index, self._joints, client
+        )
+        self.apply = self._make_apply()
+        self._read_back()
+        self._release()
+        if body.has_self_collision:
+            spare_near_links(bullet, client, self.index, self.links, body.chain)
+        self._com_in_base, self._inertial_in_base = self._base_inertial_frame()
+        self.reset(body.start.angles, body.start.rates)
+        self._feel_gravity()
+        if body.base == "constrained":
+            self._hold_base()
+
+    def _make_apply(self) -> Callable[[Sequence[float]], None]:
+        """Return the function that applies joint torques, base to tip, during the next step."""
+        index, joints, client = self.index, self._joints, self._client
+        control, mode = self._bullet.setJointMotorControlArray, self._bullet.TORQUE_CONTROL
+
+        # seen in 3.2.7: names cost a quarter of the call for ten joints; without them there must be
+        # positions, rates and gains, which are read and, in this mode, used for nothing
+        def apply(torques: Sequence[float]) -> None:
+            control(index, joints, mode, torques, torques, torques, torques, torques, client)
+
+        def apply_to_many(torques: Sequence[float]) -> None:
+            control(index, joints, mode, forces=torques, physicsClientId=client)
+
+        return apply if len(joints) <= MANY_JOINTS else apply_to_many
+
+    @property
+    def links(self) -> tuple[int, ...]:
+        """The engine's numbers of the links, base to tip."""
+        return (-1, *self._joints)
+
+    def push_base(self, wrench: Array, centre: Pose | None = None) -> None:
+        """Apply a torque and a force, shape (6,), to the base's centre of mass in the next step.
+
+        In the base's own axes, as `bias` gives them; `centre` is as there.
+        """
+        at = centre or self.centre_pose()
+        tx, ty, tz, fx, fy, fz = wrench.tolist()
+        torque, force = (geometry.rotate(at.rotation, one) for one in ((tx, ty, tz), (fx, fy, fz)))
+        bullet, client, world = self._bullet, self._client, self._bullet.WORLD_FRAME
+        bullet.applyExternalForce(self.index, -1, force, at.position, world, client)
+        bullet.applyExternalTorque(self.index, -1, torque, world, client)
+
+    def base_pose(self) -> Pose:
+        """Return the pose in the world of the base's URDF frame; the engine tells the centre's."""
+        centre = self.centre_pose()
+        rotation = geometry.multiply(centre.rotation, geometry.transposed(self._inertial_in_base))
+        offset = geometry.rotate(rotation, self._com_in_base)
+        return Pose(geometry.subtract(centre.position, offset), rotation)
+
+    def base_velocity(self) -> tuple[Vector, Vector]:
+        """Return the velocity of the base's centre of mass and its angular velocity, in world."""
+        linear, angular = self._bullet.getBaseVelocity(self.index, self._client)
+        return linear, angular
+
+    def reset(
+        self,
+        angles: Sequence[float],
+        rates: Sequence[float],
+        base_velocity: tuple[Vector, Vector] | None = None,
+    ) -> None:
+        """Put the body at its start pose with these joint angles and rates.
+
+        The base moves as the plan says, or with the velocity of its centre of mass and the
+        angular velocity given.
+        """
+        start = self._body.start
+        frame = start.pose
+        rotation = geometry.multiply(frame.rotation, self._inertial_in_base)
+        # setting the pose zeroes the velocity, so pose comes first
+        self._bullet.resetBasePositionAndOrientation(
+            self.index,
+            frame.point(self._com_in_base),
+            geometry.quaternion_from_rotation(rotation),
+            self._client,
+        )
+        if self._body.base != "static":
+            linear, angular = base_velocity or self._start_velocity(frame)
+            self._bullet.resetBaseVelocity(
+                self.index, linear, angular, physicsClientId=self._client
+            )
+        for joint, angle, rate in zip(self._joints, angles, rates, strict=True):
+            self._bullet.resetJointState(self.index, joint, angle, rate, self._client)
+
+    def _start_velocity(self, frame: Pose) -> tuple[Vector, Vector]:
+        """Return the start velocity of the base's centre of mass: v + ω x r, and ω."""
+        start = self._body.start
+        x, y, z = geometry.rotate(frame.rotation, self._com_in_base)
+        wx, wy, wz = start.angular_velocity
+        swing = (wy * z - wz * y, wz * x - wx * z, wx * y - wy * x)
+        return geometry.add(start.linear_velocity, swing), start.angular_velocity
+
+    def _joint_indices(self) -> list[int]:
+        bullet, client = self._bullet, self._client
+        by_name = {}
+        for index in range(bullet.getNumJoints(self.index, client)):
+            by_name[bullet.getJointInfo(self.index, index, client)[1].decode()] = index
+        missing = [joint.name for joint in self._body.chain.joints if joint.name not in by_name]
+        if missing or len(by_name) != len(self._body.chain.joints):
+            raise EngineRefused(self._body.name, f"{len(by_name)} joints, missing {missing}")
+        return [by_name[joint.name] for joint in self._body.chain.joints]
+
+    def _release(self) -> None:
+        """Switch off what is in nobody's model: engine damping, rate clamp, joint motors.
+
+        Motors stay where the plan wants their rows, with a torque that does nothing.
+        """
+        bullet, body, client = self._bullet, self.index, self._client
+        for number, link in enumerate(self.links):
+            bullet.changeDynamics(
+                body,
+                link,
+                linearDamping=0,
+                angularDamping=0,
+                jointDamping=0,
+                maxJointVelocity=UNLIMITED_RATE,
+                physicsClientId=client,
+            )
+            # seen in 3.2.7: said together with a rate, a link's surface is not heard, only a base's
+            surface = settings(self._body.surfaces.of_link(number, self._body.chain))
+            bullet.changeDynamics(body, link, **surface, physicsClientId=client)
+        # every joint has a velocity motor by default; with zero force it is gone, with a force
+        # it is dry friction of that torque
+        least = IDLE_TORQUE if self._body.has_idle_motors else 0.0
+        for index, joint in zip(self._joints, self._body.chain.joints, strict=True):
+            bullet.setJointMotorControl2(
+                body,
+                index,
+                bullet.VELOCITY_CONTROL,
+                targetVelocity=0,
+                force=max(joint.friction, least),
+                physicsClientId=client,
+            )
+
+    def _hold_base(self) -> None:
+        start = self._body.start
+        frame = start.pose
+        inverse = geometry.transposed(self._inertial_in_base)
+        origin = geometry.rotate(inverse, geometry.subtract(geometry.ZERO, self._com_in_base))
+        self._bullet.createConstraint(
+            self.index,
+            -1,
+            -1,
+            -1,
+            self._bullet.JOINT_FIXED,
+            [0, 0, 0],
+            origin,
+            start.position,
+            geometry.quaternion_from_rotation(inverse),
+            geometry.quaternion_from_rotation(frame.rotation),
+            physicsClientId=self._client,
+        )
+
+    def _base_inertial_frame(self) -> tuple[Vector, geometry.Matrix]:
+        dynamics = self._bullet.getDynamicsInfo(self.index, -1, self._client)
+        return dynamics[3], geometry.rotation_from_quaternion(dynamics[4])
+
+    def _read_back(self) -> None:
+        """Compare what the engine understood with what was compiled.
+
+        This catches an inertia the engine would not take, cut lines and misread numbers.
+        """
+        bullet, client = self._bullet, self._client
+        links, joints = [], []
+        for index, link in enumerate(self.links):
+            dynamics = bullet.getDynamicsInfo(self.index, link, client)
+            has_mass = index > 0 or self._body.base != "static"  # a static base reads as mass 0
+            links.append(EngineLink(dynamics[0], dynamics[3], dynamics[2]) if has_mass else None)
+            if index > 0:
+                told = bullet.getJointInfo(self.index, link, client)
+                # the engine tells the axis in the principal axes of the child
+                principal = geometry.rotation_from_quaternion(dynamics[4])
+                axis = geometry.rotate(principal, told[13])
+                joints.append(EngineJoint(told[16], axis, told[8], told[9]))
+        chain = self._body.chain
+        meant = chain if self._body.has_engine_limits else chain.without_limits()
+        found = mismatches(meant, links, joints)
+        if found:
+            more = f"; and {len(found) - 3} more" if len(found) > 3 else ""
+            raise EngineRefused(self._body.name, "; ".join(found[:3]) + more)

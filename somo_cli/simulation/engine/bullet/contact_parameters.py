@@ -1,0 +1,54 @@
+"""Surfaces as the engine takes them, and what it must be told for bodies to rebound."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from somo_cli.manipulator import geometry
+from somo_cli.scene.contact_surface import ContactSurface
+from somo_cli.simulation.plan.model import Plan
+
+REBOUND_GAP = 5e-5  # m: how near surfaces must be for the engine to let them collide
+DEFAULT_GAP = 0.02  # engine units: the engine's own
+REBOUND_ERP = 0.02  # share of a depth that is undone in a step
+REBOUND_STEPS = 2.0  # a slower approach than gravity's in so many steps is no impact
+
+
+def settings(surface: ContactSurface) -> Mapping[str, float]:
+    """Return what `changeDynamics` is to be told of a surface; engine units.
+
+    What the surface leaves at zero is not told, so that the engine has no rows for it.
+    """
+    friction = 0.0 if surface.friction_anisotropy else surface.friction  # ours, see `bullet_grip`
+    told = {
+        "lateralFriction": friction,
+        "spinningFriction": surface.spinning_friction,
+        "rollingFriction": surface.rolling_friction,
+        "restitution": surface.restitution,
+    }
+    told = {key: value for key, value in told.items() if value or key == "lateralFriction"}
+    if surface.compliance is not None:
+        told["contactStiffness"] = surface.compliance.stiffness
+        told["contactDamping"] = surface.compliance.damping
+    return told
+
+
+def contact_parameters(plan: Plan) -> Mapping[str, float]:
+    """Return what the engine is to be told of contact; more where something rebounds.
+
+    Seen in 3.2.7: the engine adds to the speed after an impact what is left of the gap in front of
+    a body, or what it has to push out, so that a ball of restitution 0.5 came back with 0 to 0.6
+    of its speed, and one that rests goes on hopping if gravity gives it more than a
+    threshold of 0.2 engine units per second in a step. So bodies collide when they touch, are
+    pushed out slowly, and come to rest below a threshold that goes with the step.
+    """
+    if not any(surface.restitution for surface in plan.surfaces):
+        # seen in 3.2.7: this one is shared by all engines of a process, so none may be left out
+        return {"contactBreakingThreshold": DEFAULT_GAP}
+    return {
+        "contactBreakingThreshold": REBOUND_GAP * plan.scale.length,
+        "contactERP": REBOUND_ERP,
+        "restitutionVelocityThreshold": REBOUND_STEPS
+        * geometry.norm(plan.gravity)
+        * plan.time_step,
+    }

@@ -1,0 +1,171 @@
+"""The dynamics of one body in PyBullet: inertia, bias forces, and what joints feel of them.
+
+The engine's module is handed in by `bullet`, which alone imports it.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from somo_cli.arrays import Array, invert
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator.geometry import Vector
+from somo_cli.manipulator.kinematics import Pose
+from somo_cli.problems import EngineRefused
+from somo_cli.simulation.plan.model import Body
+
+
+class BulletDynamics:
+    """A loaded body; joints in the order of its chain, engine units."""
+
+    def __init__(self, bullet: Any, client: int, index: int, body: Body, gravity: Vector) -> None:
+        self._bullet = bullet
+        self._client = client
+        self.index = index
+        self._body = body
+        self._gravity = self._gravity_in_base = gravity
+        self._is_tilted = False
+        self._count = len(body.chain.joints)
+        self._freedoms = self._count + (0 if body.base == "static" else 6)
+        self._pack = struct.Struct(f"{self._freedoms}d").pack  # numpy takes longer to read tuples
+        self._is_free = body.base == "free"
+        self._is_plain = False
+        self._base_to_joints: Array = np.zeros((self._count, 6))
+        self._across: Array = self._base_to_joints.T
+        self._inverse_dynamics = self._make_inverse_dynamics()
+
+    def _feel_gravity(self) -> None:
+        """Take how the base stands to gravity; its start pose is set."""
+        axes = geometry.transposed(self.centre_pose().rotation)
+        self._gravity_in_base = geometry.rotate(axes, self._gravity)
+        difference = geometry.subtract(self._gravity, self._gravity_in_base)
+        self._is_tilted = max(map(abs, difference)) > 0
+        self._is_plain = self._body.base == "static" and not self._is_tilted
+
+    def _make_inverse_dynamics(self) -> Callable[[Sequence[float], Sequence[float]], Array]:
+        """Return the engine's function of positions and rates, those of a base that moves first.
+
+        Its forces on a base come first as well, angular, then linear.
+        """
+        index, client = self.index, self._client
+        inverse, read, pack = self._bullet.calculateInverseDynamics, np.frombuffer, self._pack
+        rest = [0.0] * self._freedoms
+
+        def inverse_dynamics(positions: Sequence[float], rates: Sequence[float]) -> Array:
+            # seen in 3.2.7: names cost a fifth of a call that short; the zero is for its flags
+            return read(pack(*inverse(index, positions, rates, rest, 0, client)))
+
+        # seen in 3.2.7: forces on the base come out as (linear, angular)
+        def with_base(positions: Sequence[float], rates: Sequence[float]) -> Array:
+            told = inverse(index, positions, rates, rest, 0, client)
+            return read(pack(*told[3:6], *told[:3], *told[6:]))
+
+        return inverse_dynamics if self._body.base == "static" else with_base
+
+    def mass_matrix(self, angles: Sequence[float]) -> Array:
+        """Return the joint-space inertia at these angles, shape (n, n).
+
+        For a free base it is the Schur complement in which the base is eliminated: what the
+        joints feel when nothing holds the base. A constrained base is held within the step.
+        """
+        # the base's rows, if it can move, come first: angular, then linear, in its own frame
+        try:
+            rows = self._bullet.calculateMassMatrix(
+                self.index, angles, physicsClientId=self._client
+            )
+        except (SystemError, self._bullet.error) as error:
+            # seen in 3.2.7: it takes rounding of more than 1e-15 for an inertia that is not
+            # symmetric, so one of more than about 1 engine unit, in turned axes, is refused
+            raise EngineRefused(
+                self._body.name,
+                "its inertias are too large for the engine's dynamics; the mass factor of "
+                "world_scale changes no result, so choose a smaller one, such as "
+                "world_scale: {length: 20, mass: 0.001}",
+            ) from error
+        pack, size = self._pack, len(rows)
+        matrix: Array = np.frombuffer(b"".join([pack(*row) for row in rows])).reshape(size, size)
+        if size == self._count:
+            return matrix
+        # products with an array of its own take a third of those with a part of another
+        base, across, joints = matrix[:6, :6], matrix[:6, 6:], matrix[6:, 6:].copy()
+        self._across = across
+        if not self._is_free:
+            return joints
+        self._base_to_joints = across.T.dot(invert(base))
+        reduced: Array = joints - self._base_to_joints.dot(across)
+        return (reduced + reduced.T) / 2
+
+    def bias(
+        self,
+        angles: Sequence[float],
+        rates: Sequence[float],
+        spin: Sequence[float] = (),
+        centre: Pose | None = None,
+    ) -> Array:
+        """Return the forces that gravity and Coriolis terms ask for.
+
+        Shape (n,), the joint torques, with the base at rest; for a free base (6 + n,), with the
+        torque and the force on its centre of mass first, in its own axes. `spin` [rad/s] is the
+        angular velocity in the world of a base that can move, `centre` its `centre_pose`, for who
+        has asked already. The gravity is that of the start pose of the base, which makes no
+        difference to what the joints of a free body feel.
+        """
+        if self._is_plain:
+            return self._inverse_dynamics(angles, rates)
+        if not self._is_tilted:
+            return self._bias(angles, rates, spin, centre)
+        # seen in 3.2.7: inverse dynamics takes the base to stand upright, whatever its pose
+        set_gravity = self._bullet.setGravity
+        set_gravity(*self._gravity_in_base, self._client)
+        forces = self._bias(angles, rates, spin, centre)
+        set_gravity(*self._gravity, self._client)
+        return forces
+
+    def _bias(
+        self,
+        angles: Sequence[float],
+        rates: Sequence[float],
+        spin: Sequence[float],
+        centre: Pose | None,
+    ) -> Array:
+        if self._body.base == "static":
+            return self._inverse_dynamics(angles, rates)
+        # seen in 3.2.7: base rates go in as (angular, linear) in the base's own axes; linear ones
+        # change nothing here
+        x, y, z = geometry.ZERO
+        if spin:
+            axes = geometry.transposed((centre or self.centre_pose()).rotation)
+            x, y, z = geometry.rotate(axes, (spin[0], spin[1], spin[2]))
+        forces = self._inverse_dynamics(
+            [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, *angles], [x, y, z, 0.0, 0.0, 0.0, *rates]
+        )
+        return forces if self._is_free else forces[6:]
+
+    def felt_by_joints(self, forces: Array) -> Array:
+        """Return the joint torques, shape (n,), that accelerate the joints as these forces do.
+
+        For a free base the forces, as `bias` gives them, include some on the base.
+        """
+        if not self._is_free:
+            return forces
+        felt: Array = forces[6:] - self._base_to_joints.dot(forces[:6])
+        return felt
+
+    def in_base_axes(self, forces: Array) -> Array:
+        """Return forces as `bias` gives them; those on the base come in the world's axes.
+
+        Shape (6 + n,), of a base that can move.
+        """
+        axes = np.array(self.centre_pose().rotation)
+        own = forces.copy()
+        own[:3], own[3:6] = forces[:3] @ axes, forces[3:6] @ axes
+        return own
+
+    def centre_pose(self) -> Pose:
+        """Return the pose in the world of the base's centre of mass, along its principal axes."""
+        centre, orientation = self._bullet.getBasePositionAndOrientation(self.index, self._client)
+        return Pose(centre, geometry.rotation_from_quaternion(orientation))

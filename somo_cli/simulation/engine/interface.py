@@ -1,0 +1,122 @@
+"""What a run needs of an engine: a handful of verbs, in engine units."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol
+
+from somo_cli.arrays import Array
+from somo_cli.manipulator.geometry import Vector
+from somo_cli.manipulator.kinematics import Pose
+from somo_cli.simulation.engine.contacts import Place, Touch
+
+
+class WorldBody(Protocol):
+    """What a run needs of one body: joints base to tip, engine units."""
+
+    joint_states: Callable[[], Sequence[Any]]
+    """Returns one tuple per joint that starts with its angle and rate."""
+
+    apply: Callable[[Sequence[float]], None]
+    """Applies joint torques during the next step."""
+
+    def mass_matrix(self, angles: Sequence[float]) -> Array:
+        """Return the joint-space inertia, shape (n, n)."""
+
+    def bias(
+        self,
+        angles: Sequence[float],
+        rates: Sequence[float],
+        spin: Sequence[float] = (),
+        centre: Pose | None = None,
+    ) -> Array:
+        """Return the forces that gravity and Coriolis terms ask for, on a free base as well.
+
+        With `centre`, the `centre_pose` of a base that can move, that need not be asked for.
+        """
+
+    def felt_by_joints(self, forces: Array) -> Array:
+        """Return the joint torques that accelerate the joints as these forces do, shape (n,)."""
+
+    def in_base_axes(self, forces: Array) -> Array:
+        """Return forces, shape (6 + n,), in the world's axes on the base, in the base's own."""
+
+    def push_base(self, wrench: Array, centre: Pose | None = None) -> None:
+        """Apply a torque and a force to the base during the next step, in its own axes."""
+
+    def centre_pose(self) -> Pose:
+        """Return the pose in the world of the base's centre of mass, along its principal axes."""
+
+    def base_pose(self) -> Pose:
+        """Return the pose of the base frame in the world."""
+
+    def base_velocity(self) -> tuple[Vector, Vector]:
+        """Return the velocity of the base's centre of mass, and its angular velocity."""
+
+    def reset(
+        self,
+        angles: Sequence[float],
+        rates: Sequence[float],
+        base_velocity: tuple[Vector, Vector] | None = None,
+    ) -> None:
+        """Go to the start pose with these angles and rates."""
+
+
+class WorldThing(Protocol):
+    """What a run needs of one object, engine units."""
+
+    def reset(self, linear_velocity: Vector | None = None) -> None:
+        """Put the object at its start, with another velocity if given."""
+
+    def pose(self) -> Pose:
+        """Return the pose of the object's frame in the world."""
+
+    def velocity(self) -> tuple[Vector, Vector]:
+        """Return the velocity of its centre and its angular velocity, in the world."""
+
+
+class WorldMovedBody(WorldBody, Protocol):
+    """What a run needs of a body whose base is moved."""
+
+    def move_base(self, goal: Pose, is_at_rest: bool) -> None:
+        """Have the base frame at this pose after the next step, and after more if at rest."""
+
+    def pull_of_base(self, acceleration: Array) -> Array:
+        """Return the joint torques, shape (n,), that an acceleration of the base asks for.
+
+        Shape (6,), the angular one, then that of the centre of mass, in the world.
+        """
+
+
+class WorldMovedThing(WorldThing, Protocol):
+    """What a run needs of an object that is moved."""
+
+    def move_to(self, goal: Pose, time_step: float) -> None:
+        """Have the frame at this pose after the next step."""
+
+    def rest(self) -> None:
+        """Have the frame stay where it is until it is moved."""
+
+
+class World(Protocol):
+    """What a run needs of an engine."""
+
+    @property
+    def bodies(self) -> Sequence[WorldBody]:
+        """The bodies, in the order of the plan."""
+
+    @property
+    def objects(self) -> Sequence[WorldThing]:
+        """The objects, in the order of the plan."""
+
+    step: Callable[[], object]
+    """Advances every body by one time step."""
+
+    def touches(self) -> list[Touch]:
+        """Return every contact point of the last step, in an order that is always the same."""
+
+    def penetrations(self) -> Sequence[tuple[Place, Place, float]]:
+        """Return which parts were how deep in each other in the last step; depths above 0 only."""
+
+    def heed_contacts(self) -> None:
+        """Let the solver take as many iterations as pay with what `penetrations` saw last."""

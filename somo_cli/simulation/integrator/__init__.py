@@ -1,0 +1,1 @@
+"""The spring-damper law and what steps one body or object."""

@@ -1,0 +1,290 @@
+"""The spring-damper law: joint angles and rates to torques, for the three integrators.
+
+Bullet advances v' = v + h M⁻¹(f + τ), q' = q + h v', where f holds every force that is not ours:
+gravity, Coriolis, contact, friction, constraints. With K, D diagonal and u the actuation, the
+implicit law is Newmark's method in leapfrog form: v lives at half steps, the damper is centred and
+the spring is evaluated at q + β h² a,
+
+    s = u - K (q - q0) - (D + N) v
+    f = M (v - v_prev) / h - τ_prev          what the engine did in the last step, measured
+    a = (M + B)⁻¹ (f + s)
+    τ = s - B a
+
+At rest a = 0 and τ = s, so static equilibria are exact, contact forces included. It is second
+order for every B = h/2 D + O(h²); what B is beyond that is chosen mode by mode, as a rational
+function of x = h d/m and y = h² k/m:
+
+    N = h K (1 + ε h² M⁻¹K)⁻¹ ε h² M⁻¹K                                   ε y² m/h / (1 + ε y)
+    B = h/2 (D + N) + h²/12 K + P (M + P/6)⁻¹ P / 12,   P = h D + 5/6 h² K
+
+Slow modes have β = 1/12 and (1 + x/2 + x²/12), for which Newmark's spring is of fourth order and
+the damper Padé's approximation of exp(-x); in modes that the step does not resolve B tends to
+h D + h² K and N to h K, which is backward Euler: they decay at once, however light their damping,
+and do not flip their sign in every step, which an M that is a little old would make them grow by.
+
+With B = h D + h² K and N = h K in all modes it is backward Euler; with B = N = 0 it is the explicit
+torque loop.
+
+Bullet evaluates Coriolis forces at v, half a step too early, which alone would leave the method
+with first order; at large steps it is also what makes it fail. With c(v) the bias forces of
+inverse dynamics at q, the half step is made up for by acting as if u were larger by
+
+    c(v) - c(v + h/2 a),  and f by  c_prev - c(v), where it is a step old.
+
+f holds gravity, too, whose stiffness G is that of a pendulum. Where a step does not resolve the
+pendulum, N and B get what G would give them if it were a spring with β = 1/2, and f is left as it
+is: h²/2 G is another O(h²) in B, and changes no equilibrium.
+
+After an impact f holds the blow, which is gone a step later; the law takes it as it is. Minmod, the
+median of three, a running mean, dropping or capping the change, of all of f or of its contact part
+alone, made errors after blows larger or no smaller, and failed at steps at which this holds; the
+bench in tests/contact shows it. Only the half step h/2 a of the bias forces must not go on with a
+blow: these are quadratic, and a long chain falling on the ground took up 76 times the energy that
+it had. Where bodies can touch, an a that would turn a joint far within a step, and is more than
+twice the last one or against it, is limited.
+
+Where joints would pass their limits in the coming step, a and τ get what torques λ on them do,
+(M + B)⁻¹ λ and (1 - B (M + B)⁻¹) λ: see `stops`.
+
+`SpringLaw.correct` does so in full; `SpringLaw.hold` goes on from the last two, which is enough,
+and still second order, where a few steps turn no joint far.
+
+Newmark, J. Eng. Mech. Div. ASCE 85 (1959) 67; Chung and Hulbert, J. Appl. Mech. 60 (1993) 371
+(why modes that are not resolved should be damped, and only they); Hairer, Lubich, Wanner,
+Geometric Numerical Integration, ch. I.1.4 (leapfrog); Steihaug and Wolfbrandt, Math. Comp. 33
+(1979) 521 (why an old M does no harm to the order); Tan, Liu, Turk, IEEE CG&A 31 (2011) 34 (stable
+PD control).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from somo_cli.arrays import Array, invert
+from somo_cli.scene.model import Integrator
+from somo_cli.simulation.integrator.mode_coefficients import ImplicitParts
+from somo_cli.simulation.plan.joint_springs import Springs
+
+BLOW = 2.0  # times the change of the step before: a larger one is a blow's
+SUDDEN = 5e-3  # rad: what a rate's change in a step, times the step, is below in smooth motion
+
+
+def carried_on(change: Array, before: Array, small: float) -> Array:
+    """Return what of a change in the last step may be taken to go on, from that in the step before.
+
+    All of it up to `small`, and in smooth motion; what a blow has added is limited, number by
+    number (a minmod).
+    """
+    if change.dot(change) <= small * small or float(np.abs(change).max()) <= small:
+        return change
+    ahead = np.sign(change) * np.minimum(np.abs(change), BLOW * np.abs(before))
+    limited = np.where(change * before > 0, ahead, 0.0)
+    return np.where(np.abs(change) > small, limited, change)
+
+
+class SpringLaw:
+    """The law of one body, in most steps as one product of a vector and a matrix.
+
+    `state` stacks the share of a held correction's growth, a one, u, q, v, v_prev and τ_prev, shape
+    (5 n + 2,): write q and v into `motion`, set `actuation` when it changes, then call `correct`,
+    or what `make_hold` returns, for the torques of the coming step.
+    """
+
+    def __init__(self, springs: Springs, time_step: float, integrator: Integrator) -> None:
+        n = len(springs.stiffness)
+        self.springs = springs
+        self.time_step = time_step
+        self.integrator = integrator
+        self.state: Array = np.zeros(5 * n + 2)
+        self.state[1] = 1.0
+        self.actuation, self.angles, self.rates = _blocks(self.state[2 : 3 * n + 2], 3)
+        self.motion = self.state[n + 2 : 3 * n + 2]
+        self._previous_rates, self._previous_torques = _blocks(self.state[3 * n + 2 :], 2)
+        self.correction: Array = np.zeros(n)
+        self.bias: Array | None = None  # at the start of the last step, if it was corrected
+        self.stop: Callable[[Array, Array], Array | None] | None = None
+        """Gives, from a and (M + B)⁻¹, the torques of joints at their limits, where there are."""
+        self.can_be_struck = False
+        """Whether blows are to be told from smooth motion."""
+        self._last_coming: Array | None = None
+        self._mass: Array | None = None
+        self.parts = ImplicitParts(springs, time_step, integrator)
+        self._response: Array = np.zeros((n, n))  # (M + B)⁻¹
+        self._implicit = self.parts.centred
+        self._at_rest: Array = springs.stiffness * springs.neutral
+        self._torques: Array = np.zeros(n)
+        # as arrays, which numpy multiplies by in half of the time that it takes to read a number
+        self._step: Array = np.array(time_step)
+        self._half_step: Array = np.array(0.5 * time_step)
+        self._step_share = 1.0  # of a held correction's growth
+        # memory views are copied in half of the time that arrays take
+        self._done: Any = self.rates.data, self._torques.data
+        self._last: Any = self._previous_rates.data, self._previous_torques.data
+        self._lay_down()
+
+    def _lay_down(self) -> None:
+        """Lay down s, f and the torques as linear functions of the state, a row for each number.
+
+        Rows, so that what a new mass changes, and what is held, is in one piece.
+        """
+        n = len(self.rates)
+        unit = np.eye(n)
+        # s, of a one, u, q and v; only the mass changes it later, and f
+        self._own: Array = np.zeros((3 * n + 1, n))
+        self._own[0] = self._at_rest
+        by_actuation, by_angles, self._own_by_rates = _blocks(self._own[1:], 3)
+        by_actuation[:], self._own_by_rates[:] = unit, -self.parts.damping
+        by_angles[:] = np.diag(-self.springs.stiffness)
+        self._state_of_own = self.state[1 : 3 * n + 2]
+        # f, of v, v_prev and τ_prev
+        self._force: Array = np.zeros((3 * n, n))
+        self._force_by_rates, self._force_by_previous, by_torques = _blocks(self._force, 3)
+        by_torques[:] = -unit
+        self._state_of_force = self.state[2 * n + 2 :]
+        # the torques, of the whole state
+        self._to_torques: Array = np.zeros((5 * n + 2, n))
+        self._to_torques[1 : 3 * n + 2] = self._own
+        self._growth, self._held = self._to_torques[:2]
+        self._laid = _blocks(self._to_torques[2:], 5)
+        self._is_laid_out = True  # whether the product is that of the present mass
+        self._unit: Array = unit
+        self._pull_of_springs: Array = -self.springs.stiffness[:, np.newaxis]
+
+    def refresh(self, mass: Array, is_far: bool = True) -> None:
+        """Take the joint-space inertia M, shape (n, n), of the present pose.
+
+        D + N and B, of which any is as good as another in the third order, are left as they are
+        unless it `is_far` from the one for which they were made.
+        """
+        if self.integrator == "explicit":
+            return
+        if self._mass is not None:
+            # f, measured with the old matrix, shall not jump
+            change = self.rates - self._previous_rates
+            self._previous_torques += (mass - self._mass).dot(change) / self._step
+        self._mass = mass
+        if is_far:
+            damping, self._implicit = self.parts.of(mass)
+            np.negative(damping, self._own_by_rates)
+        np.divide(mass, self._step, self._force_by_rates)
+        np.negative(self._force_by_rates, self._force_by_previous)
+        self._response = invert(mass + self._implicit)
+        self._is_laid_out = False
+
+    def _lay_out(self) -> None:
+        """Make the one product of the present mass, which is worth it where it serves for long."""
+        assert self._mass is not None, "refresh comes first"
+        by_actuation, by_angles, by_rates, by_previous, by_torques = self._laid
+        # transposed, and so the other way round: B (M + B)⁻¹ and 1 - B (M + B)⁻¹
+        share = self._response.dot(self._implicit, by_torques)
+        rest = np.subtract(self._unit, share, by_actuation)
+        np.multiply(self._pull_of_springs, rest, by_angles)
+        self._force_by_rates.dot(share, by_previous)
+        self._own_by_rates.dot(rest, by_rates)
+        np.subtract(by_rates, by_previous, by_rates)
+        self._is_laid_out = True
+
+    def measure(self, force: Array, bias: Array | None = None) -> None:
+        """Take f, the generalised force on the joints that is not ours, as the last step's.
+
+        `bias` holds the bias forces at the rates for which `force` was measured.
+        """
+        self._previous_rates[:] = self.rates
+        self._previous_torques[:] = -force
+        self.bias = bias
+
+    def measured(self, bias: Array) -> Array:
+        """Return f as it was in the last step, shape (n,), but for the present bias forces."""
+        assert self._mass is not None, "refresh comes first"
+        force: Array = self._state_of_force.dot(self._force)
+        if self.bias is not None:
+            force += self.bias - bias
+        return force
+
+    def hold(self, fall: Array, growth: Array, steps: int) -> None:
+        """Carry the last correction on for the steps to come, as `make_hold` does them.
+
+        `fall` is how much the bias forces fall in so many steps, shape (n,): the measured force is
+        a step old, too large by what they fall in one. `growth` is how much the correction grows.
+        """
+        if not self._is_laid_out:
+            self._lay_out()
+        rest = self._laid[0]  # what actuation adds to the torques
+        lag = fall / steps
+        ahead = lag + self._at_rest
+        ahead += self.correction
+        np.subtract(ahead.dot(rest), lag, self._held)
+        growth.dot(rest, self._growth)
+        self._step_share, self.state[0] = 1 / steps, 0.0
+
+    def make_hold(self, apply: Callable[[list[float]], None]) -> Callable[[], None]:
+        """Return the function that applies the torques of the coming step in most steps.
+
+        After each new mass, `hold` comes before it. All names are bound here, because this is where
+        a run spends its time.
+        """
+        law, dot, to_torques = self, self.state.dot, self._to_torques
+        torques, tolist = self._torques, self._torques.tolist
+        share: Any = self.state[:1].data
+        (rates, applied), (previous_rates, previous_torques) = self._done, self._last
+
+        def hold() -> None:
+            share[0] += law._step_share
+            dot(to_torques, torques)
+            previous_rates[:] = rates
+            previous_torques[:] = applied
+            law.bias = None
+            apply(tolist())
+
+        return hold
+
+    def correct(self, bias: Array, bias_at: Callable[[Array], Array]) -> list[float]:
+        """Return the torques for the coming step, with Coriolis forces at the right instant.
+
+        `bias` holds the bias forces at the present angles and rates, shape (n,), and
+        `bias_at(rates)` gives them at other rates.
+        """
+        assert self._mass is not None, "refresh comes first"
+        rates, torques = self.rates, self._torques
+        own = self._state_of_own.dot(self._own)
+        acceleration = self._response.dot(self.measured(bias) + own)
+        # a joint that presses on its limit is not about to move, whatever presses it
+        stopping = self._stopping(acceleration)
+        coming = acceleration if stopping is None else acceleration + self._response.dot(stopping)
+        if self.can_be_struck:
+            last, self._last_coming = self._last_coming, coming.copy()
+            coming = (
+                coming if last is None else carried_on(coming, last, SUDDEN / self.time_step**2)
+            )
+        self.correction = bias - bias_at(self._half_step * coming + rates)
+        acceleration += self._response.dot(self.correction)
+        own += self.correction
+        stopping = self._stopping(acceleration)
+        if stopping is not None:
+            acceleration += self._response.dot(stopping)
+            own += stopping
+        np.subtract(own, self._implicit.dot(acceleration), torques)
+        previous_rates, previous_torques = self._last
+        previous_rates[:], previous_torques[:] = self._done
+        self.bias = bias
+        values: list[float] = torques.tolist()
+        return values
+
+    def _stopping(self, acceleration: Array) -> Array | None:
+        """Return the torques that stop joints at their limits, None if no joint would pass one."""
+        return None if self.stop is None else self.stop(acceleration, self._response)
+
+    def acceleration(self, mass: Array, force: Array) -> Array:
+        """Return a = (M + B)⁻¹ (f + s) at the present state, shape (n,) [rad/s²]."""
+        damping, implicit = self.parts.of(mass)
+        springs = self.springs.stiffness * (self.angles - self.springs.neutral)
+        s = self.actuation - springs - damping @ self.rates
+        return np.asarray(np.linalg.solve(mass + implicit, force + s), dtype=np.float64)
+
+
+def _blocks(rows: Array, count: int) -> list[Array]:
+    """Return so many equal parts of an array, one after the other, as views."""
+    return np.split(rows, count)

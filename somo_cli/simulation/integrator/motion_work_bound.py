@@ -1,0 +1,91 @@
+"""What a prescribed motion can have put in, of which there is no limit but what it did.
+
+The watch must not take it for divergence, and must not be blinded by it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from somo_cli.arrays import Array
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator.chain import Chain
+from somo_cli.manipulator.kinematics import ways
+from somo_cli.simulation.plan.model import Plan
+
+
+class Allowance:
+    """Bounds on the energy that one moved frame has put in since it was last asked; engine units.
+
+    `reach` is how far a point that the frame leads can be from its origin.
+    """
+
+    def __init__(self, plan: Plan, chain: Chain) -> None:
+        self.can_touch = plan.can_touch
+        self._step = plan.time_step
+        self._weight = geometry.norm(plan.gravity)
+        self._reach = _reach(chain)
+        self._mass = sum(link.inertial.mass for link in chain.links[1:])
+        self._all_mass = sum(
+            link.inertial.mass for body in plan.bodies for link in body.chain.links
+        ) + sum(
+            planned.thing.chain.links[0].inertial.mass
+            for planned in plan.objects
+            if not planned.thing.has_prescribed_pose
+        )
+        self._shaken = self._turned = self._way = self._fastest = 0.0
+        self._has_met = False
+
+    def advance(self, before: Array, after: Array) -> None:
+        """Take the velocity, (6,), spin first, of the last step and of the coming one."""
+        spin = float(np.linalg.norm(after[:3]))
+        speed = float(np.linalg.norm(after[3:])) + self._reach * spin
+        change = after - before
+        self._shaken += float(np.linalg.norm(change[3:]))
+        self._shaken += self._reach * float(np.linalg.norm(change[:3]))
+        self._shaken += self._reach * spin**2 * self._step
+        self._turned += spin * self._step
+        self._way += speed * self._step
+        self._fastest = max(self._fastest, speed)
+
+    def in_frame(self, energy: float) -> float:
+        """Return what acceleration and the turning of gravity can have done in the moved frame.
+
+        `energy` is the most that the joints had there meanwhile. With speeds v_i in the frame and
+        no point accelerated by more than a, the power is at most sum m_i a v_i <= a sqrt(2 m E):
+        Cauchy and Schwarz. Coriolis forces do no work.
+        """
+        pull = self._shaken * math.sqrt(2 * self._mass * energy)
+        pull += 0.5 * self._mass * self._shaken**2
+        fall = self._weight * self._mass * self._reach * self._turned
+        self._shaken = self._turned = 0.0
+        return pull + fall
+
+    def by_contact(self, force: Sequence[float]) -> float:
+        """Return what the frame can have done by pushing: force, and sum of normal forces.
+
+        That is force times way; and whenever contact begins, what it takes to throw all there is
+        ahead at twice the speed, since a blow may fall between two looks.
+        """
+        x, y, z, normal = force
+        pressed = math.hypot(x, y, z) + normal
+        work = pressed * self._way
+        if pressed > 0 and not self._has_met:
+            work += 2 * self._all_mass * self._fastest**2
+        self._has_met = pressed > 0
+        self._way = 0.0
+        return work
+
+
+def _reach(chain: Chain) -> float:
+    """Return how far from the base frame's origin any point of the chain can be, about."""
+    far = 0.0
+    for way, link in zip(ways(chain), chain.links, strict=True):
+        xx, _, _, yy, _, zz = link.inertial.inertia
+        # half the diagonal of a homogeneous box; no less for a cylinder or a sphere
+        size = math.sqrt(1.5 * (xx + yy + zz) / link.inertial.mass)
+        far = max(far, way + geometry.norm(link.inertial.centre) + size)
+    return far

@@ -1,0 +1,105 @@
+"""From one stop of a run to the next: what acts, the engine's step, the new state, and rows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TypeAlias
+
+from somo_cli.simulation.engine.interface import World
+from somo_cli.simulation.integrator.body_stepper import Runner
+from somo_cli.simulation.integrator.kinematic_object import ThingMover
+from somo_cli.simulation.integrator.refresh_policy import STEPS_BETWEEN_LOOKS
+from somo_cli.simulation.monitoring.contact_events import ContactMonitor
+from somo_cli.simulation.plan.model import Plan
+from somo_cli.simulation.recording.row_assembler import RowAssembler
+
+DrivenBody: TypeAlias = Runner | ThingMover
+
+
+class SimulationLoop:
+    """Advances all bodies of a world together; a run spends its time in `advance`."""
+
+    def __init__(
+        self,
+        plan: Plan,
+        world: World,
+        runners: Sequence[Runner],
+        movers: Sequence[ThingMover],
+        assembler: RowAssembler,
+        contact_monitor: ContactMonitor | None,
+    ) -> None:
+        self._plan = plan
+        self._world = world
+        self._runners = runners
+        self._driven: list[DrivenBody] = [*runners, *movers]
+        self._actuations = [one.actuate for one in self._driven]
+        self._pulls = [runner.pull for runner in runners]
+        self._counts = [runner.count_step for runner in runners]
+        self._assembler = assembler
+        self._contact_monitor = contact_monitor
+
+    def actuate(self, step: int) -> None:
+        """Set what acts in the step that starts at this one."""
+        time = step * self._plan.time_step
+        for actuate in self._actuations:
+            actuate(time)
+
+    def advance(self, first: int, until: int) -> None:
+        """Advance from step `first`, whose actuation is set, to step `until`."""
+        step_world, actuate, assembler, contact_monitor = (
+            self._world.step,
+            self.actuate,
+            self._assembler,
+            self._contact_monitor,
+        )
+        pulls, counts, every = self._pulls, self._counts, self._plan.every
+        row = first + -first % every  # the next step with a row
+        is_steady = self._is_steady(first, until)
+        pushes = self._pushes(first)
+        for step in range(first, until):
+            if not is_steady and step > first:
+                actuate(step)
+            if step == row:
+                assembler.take(step)
+            for push in pushes:
+                push()
+            if step == first:
+                pushes = self._pushes(step + 1)
+            step_world()
+            for pull in pulls:
+                pull()
+            if step == row:
+                assembler.complete()
+                row += every
+            if not is_steady:
+                for count in counts:
+                    count()
+            if contact_monitor is not None:
+                contact_monitor.update(step + 1, self._world.touches())
+        for runner in self._runners:
+            runner.count_work(is_steady)
+
+    def record_last(self, step: int) -> None:
+        """Take the row of the last step, and go beyond it if that needs velocities half a step on.
+
+        Its actuation is set.
+        """
+        self._assembler.take(step)
+        if self._assembler.needs_next_step:
+            for push in self._pushes(step):
+                push()
+            self._world.step()
+            for pull in self._pulls:
+                pull()
+        self._assembler.complete()
+
+    def _pushes(self, step: int) -> list[Callable[[], None]]:
+        """Return what applies the torques of a step, which every look decides anew."""
+        if step % STEPS_BETWEEN_LOOKS == 0:
+            return [runner.push_first for runner in self._runners]
+        return [runner.push for runner in self._runners]
+
+    def _is_steady(self, first: int, until: int) -> bool:
+        """Whether nothing that acts changes after step `first` and before step `until`."""
+        start, end = first * self._plan.time_step, (until - 1) * self._plan.time_step
+        return all(one.constant_until(start) > end for one in self._driven)

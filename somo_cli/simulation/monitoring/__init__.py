@@ -1,0 +1,1 @@
+"""What watches a run: divergence, penetration, stop conditions, contact events."""

@@ -1,0 +1,199 @@
+"""Notices that a run has diverged, by energy and speed: the numbers of one stay finite for long."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NoReturn, Protocol
+
+import numpy as np
+
+from somo_cli.arrays import Array
+from somo_cli.problems import SimulationDiverged
+from somo_cli.simulation.dynamics.modal import largest_explicit_step
+from somo_cli.simulation.integrator.energy_bound import BodyEnergy
+from somo_cli.simulation.plan.model import Body, Plan
+
+MAX_ANGLE_PER_STEP = math.pi  # rad; beyond, a joint's motion cannot be told from its alias
+MAX_ENERGY_RATIO = 4.0  # to what was put in; an integrator at its accuracy limit stays well below 2
+MAX_ENERGY_RATIO_EXPLICIT = (
+    50.0  # likewise: the explicit one keeps E - h v K q / 2, so that it may have up to
+)
+# (1 + x) / (1 - x) times the energy at x = h ω / 2, its share of the limit; this is x = 0.96
+
+
+class BodyInMotion(Protocol):
+    """What the watch needs to know of one body in motion."""
+
+    @property
+    def body(self) -> Body:
+        """Which body it is."""
+
+    @property
+    def energy(self) -> BodyEnergy:
+        """What energy it has, and may have."""
+
+    @property
+    def fastest(self) -> float:
+        """The rate of its fastest joint [rad/s]."""
+
+    @property
+    def mass(self) -> Array:
+        """The joint-space inertia, shape (n, n)."""
+
+    @property
+    def mass_at_start(self) -> Array:
+        """The same at the start."""
+
+    @property
+    def rates(self) -> Array:
+        """Joint rates, shape (n,)."""
+
+
+class MeasurableBody(BodyInMotion, Protocol):
+    """A body that can be asked for its present speed and energy."""
+
+    def measure(self) -> None:
+        """Take them."""
+
+
+@dataclass(frozen=True, slots=True)
+class StateHistory:
+    """One body in several rows: angles and rates, shape (rows, n), and its inertia in each."""
+
+    angles: Array
+    rates: Array
+    masses: Sequence[Array]
+
+
+class DivergenceMonitor:
+    """Looks at bodies in motion every few steps, and at rows before they are written.
+
+    `object_energy` tells the most energy that objects may have added by now. What is put in is counted in
+    every step, so that the verdict does not depend on what is recorded.
+    """
+
+    def __init__(
+        self,
+        plan: Plan,
+        bodies: Sequence[MeasurableBody],
+        object_energy: Callable[[], float] = lambda: 0.0,
+    ) -> None:
+        self._plan = plan
+        self._bodies = bodies
+        self._read_object_energy = object_energy
+        self._object_energy = 0.0
+
+    def update(self, step: int) -> None:
+        """Measure every body; raise SimulationDiverged as `check` does."""
+        for one in self._bodies:
+            one.measure()
+        self._object_energy = self._read_object_energy()
+        check(step, self._plan, self._bodies, self._object_energy)
+
+    def count_valid_rows(self, histories: Sequence[StateHistory]) -> int:
+        """Return how many rows come before the first to be refused; histories of all bodies."""
+        rows = len(histories[0].masses)
+        present, fastest = np.zeros(rows), np.zeros(rows)
+        for one, history in zip(self._bodies, histories, strict=True):
+            present += one.energy.of(history.angles, history.rates, history.masses)
+            np.maximum(fastest, np.abs(history.rates).max(axis=1), out=fastest)
+        bound = _bound(self._plan, self._bodies, self._object_energy)
+        is_valid = (fastest < MAX_ANGLE_PER_STEP / self._plan.time_step) & (present <= bound)
+        return rows if is_valid.all() else int(is_valid.argmin())
+
+    def raise_diverged(self, step: int, histories: Sequence[StateHistory], row: int) -> NoReturn:
+        """Raise SimulationDiverged for a row, which stands for a step."""
+        _raise_diverged(
+            step,
+            self._plan,
+            [
+                _state_in_row(one, history, row)
+                for one, history in zip(self._bodies, histories, strict=True)
+            ],
+        )
+
+
+def check(
+    step: int, plan: Plan, bodies: Sequence[BodyInMotion], object_energy: float = 0.0
+) -> None:
+    """Raise SimulationDiverged if the bodies together have more energy than they can have.
+
+    Together, because contact moves energy from one to another; `object_energy` is what objects may have
+    added. A joint that turns too far in one step is refused as well.
+    """
+    limit = MAX_ANGLE_PER_STEP / plan.time_step
+    present = sum(one.energy.present for one in bodies)
+    is_fast = not all(one.fastest < limit for one in bodies)
+    if is_fast or not present <= _bound(plan, bodies, object_energy):
+        _raise_diverged(step, plan, bodies)
+
+
+def _bound(plan: Plan, bodies: Sequence[BodyInMotion], object_energy: float) -> float:
+    ratio = MAX_ENERGY_RATIO_EXPLICIT if plan.integrator == "explicit" else MAX_ENERGY_RATIO
+    return ratio * object_energy + sum(
+        ratio * one.energy.bound + one.energy.floor for one in bodies
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _RowState:
+    body: Body
+    energy: BodyEnergy
+    fastest: float
+    mass: Array
+    mass_at_start: Array
+    rates: Array
+
+
+def _state_in_row(one: BodyInMotion, history: StateHistory, row: int) -> _RowState:
+    angles, rates, mass = history.angles[row], history.rates[row], history.masses[row]
+    energy = copy.copy(one.energy)
+    energy.update(angles, rates, mass)
+    return _RowState(one.body, energy, float(np.abs(rates).max()), mass, one.mass_at_start, rates)
+
+
+def _raise_diverged(step: int, plan: Plan, bodies: Sequence[BodyInMotion]) -> NoReturn:
+    fast = next(
+        (one for one in bodies if not one.fastest * plan.time_step < MAX_ANGLE_PER_STEP), None
+    )
+    if fast is not None:
+        culprit = fast
+        joint = _index_of_largest(np.abs(fast.rates))
+        angle = abs(float(fast.rates[joint])) * plan.time_step
+        reason = f"it turns {angle:.3g} rad in one step"
+    else:
+        culprit = max(bodies, key=lambda one: one.energy.present)
+        joint = _index_of_largest(culprit.energy.by_joint(culprit.rates, culprit.mass))
+        available = sum(max(one.energy.bound, one.energy.floor) for one in bodies)
+        present = sum(one.energy.present for one in bodies)
+        reason = f"the energy is {present / available:.3g} times what was put in"
+    body = culprit.body
+    raise SimulationDiverged(
+        step,
+        step * plan.time_step,
+        f"{body.name}.{body.chain.joints[joint].name}",
+        reason,
+        _advice(plan, body, culprit.mass_at_start),
+    )
+
+
+def _index_of_largest(values: Array) -> int:
+    """Return the index of the largest value; one that is not a number counts as larger still."""
+    return int(np.argmax(np.where(np.isfinite(values), values, np.inf)))
+
+
+def _advice(plan: Plan, body: Body, mass: Array) -> str:
+    if plan.integrator == "explicit" and np.isfinite(mass).all():
+        stiffness = np.array([joint.stiffness for joint in body.chain.joints])
+        damping = [joint.damping for joint in body.chain.joints]
+        largest = largest_explicit_step(mass, stiffness, damping)
+        return (
+            f"the explicit integrator is stable below a step of {largest:.3g} s at the start; "
+            "use integrator: implicit, or such a step"
+        )
+    if plan.integrator == "implicit":
+        return f"try half the step, --time-step {plan.time_step / 2:g}, or integrator: euler"
+    return f"try half the step, --time-step {plan.time_step / 2:g}"

@@ -1,0 +1,100 @@
+"""Notices that contact is not followed: a body deep inside another, which rigid ones never are.
+
+The engine stops bodies that touch and pushes out what is already inside, a fifth of the depth in
+each step. Where a step carries a body far into another, its blow comes late, in a wrong direction,
+or not at all; the run may stay finite and look sound.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from somo_cli.manipulator.chain import Link
+from somo_cli.manipulator.dimensions import Dimension
+from somo_cli.manipulator.hull import Hull
+from somo_cli.manipulator.round_solids import RoundedBox
+from somo_cli.manipulator.solids import AnySolid, Box, Cylinder
+from somo_cli.simulation.engine.interface import World
+from somo_cli.simulation.plan.model import Plan
+
+DEEP_PENETRATION_RATIO = 0.2  # of the thickness of the thinner of two bodies
+MAX_TIME_BETWEEN_SAMPLES = (
+    8e-3  # s, at at most, but for one step: the engine pushes out half in three steps
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Penetration:
+    """How deep [m] two bodies were in each other, and when [s].
+
+    `depth_ratio` is over the thickness of the thinner of the two.
+    """
+
+    time: float
+    depth: float
+    depth_ratio: float
+    bodies: tuple[str, str]
+
+    @property
+    def is_deep(self) -> bool:
+        """Whether the contact was not followed."""
+        return self.depth_ratio > DEEP_PENETRATION_RATIO
+
+
+class PenetrationMonitor:
+    """The deepest penetration of a run, relative to what is penetrated."""
+
+    def __init__(self, plan: Plan, world: World) -> None:
+        self.deepest: Penetration | None = None
+        self._world = world
+        self._time_step = plan.time_step
+        self._metre = plan.scale.factor(Dimension(length=1))
+        links = [body.chain.links for body in plan.bodies]
+        links += [planned.thing.chain.links for planned in plan.objects]
+        self._thickness = [[_thickness(link) for link in chain] for chain in links]
+        self._names = plan.recorded.names
+
+    def update(self, step: int) -> None:
+        """Take how deep bodies are in each other now."""
+        for first, second, depth in self._world.penetrations():
+            depth_ratio = depth / min(self._thickness_of(first), self._thickness_of(second))
+            if self.deepest is None or depth_ratio > self.deepest.depth_ratio:
+                names = self._names[first[0]], self._names[second[0]]
+                self.deepest = Penetration(
+                    step * self._time_step, depth / self._metre, depth_ratio, names
+                )
+
+    def _thickness_of(self, part: tuple[int, int]) -> float:
+        body, link = part
+        return self._thickness[body][link] if body < len(self._thickness) else float("inf")
+
+
+def steps_between_samples(time_step: float, max_steps: int) -> int:
+    """Return how many steps may pass between two looks, at max_steps `max_steps`."""
+    return max(1, min(max_steps, int(MAX_TIME_BETWEEN_SAMPLES / time_step)))
+
+
+def _thickness(link: Link) -> float:
+    """Return the least extent of the thickest shape of a link; infinite where it has none."""
+    return max((_least_extent(shape.solid) for shape in link.shapes), default=float("inf"))
+
+
+def _least_extent(solid: AnySolid) -> float:
+    if isinstance(solid, Box | RoundedBox):
+        return min(solid.size)
+    if isinstance(solid, Hull):
+        return min(float(max(along) - min(along)) for along in zip(*solid.vertices, strict=True))
+    if isinstance(solid, Cylinder):
+        return min(solid.length, 2 * solid.radius)
+    return 2 * solid.radius
+
+
+def penetration_warning(found: Penetration, time_step: float) -> str:
+    """Return what to tell a person of contact that was not followed."""
+    first, second = found.bodies
+    return (
+        f"at {found.time:.4g} s '{first}' and '{second}' were {1e3 * found.depth:.3g} mm deep in "
+        f"each other, {100 * found.depth_ratio:.0f} % of the thinner one's thickness: contact was not "
+        f"followed; try half the step, --time-step {time_step / 2:g}, and see that they do not "
+        "overlap at the start"
+    )

@@ -1,0 +1,149 @@
+"""Notices that a condition of the scene ends a run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import TypeAlias
+
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator.geometry import Vector
+from somo_cli.scene.stop_conditions import (
+    AXIS_NAMES,
+    StopAtRest,
+    StopAtTime,
+    StopCondition,
+    StopOutsideBox,
+)
+from somo_cli.simulation.engine.interface import World, WorldThing
+from somo_cli.simulation.integrator.body_stepper import Runner
+from somo_cli.simulation.plan.model import Plan
+from somo_cli.simulation.plan.units import units_of
+
+_STEP_TOLERANCE = 1e-9  # of a step: what rounding may put a time behind the step that stands for it
+
+ConditionCheck: TypeAlias = Callable[[float], str | None]
+"""Takes the time [s]; returns what has come about, if it has."""
+
+
+@dataclass(frozen=True, slots=True)
+class StopReason:
+    """Which condition of the scene, counted from 0, ended a run, and what came about."""
+
+    condition: int
+    reason: str
+
+
+class StopMonitor:
+    """Asks the conditions of a plan at its looks, which do not depend on where rows fall.
+
+    Times are exact: they bound the number of steps.
+    """
+
+    def __init__(self, plan: Plan, world: World, runners: Sequence[Runner], steps: int) -> None:
+        times = [
+            (_stop_step(stop, plan), number, stop)
+            for number, stop in enumerate(plan.stop_conditions)
+            if isinstance(stop, StopAtTime)
+        ]
+        self.steps = min([steps, *(step for step, _, _ in times)])
+        """The last step that the run may do."""
+        self._time_step = plan.time_step
+        self._reason_at_last = next(
+            (
+                StopReason(number, f"the time is {stop.time:g} s")
+                for step, number, stop in times
+                if step == self.steps
+            ),
+            None,
+        )
+        self._conditions = [
+            (number, _condition(stop, plan, world, runners))
+            for number, stop in enumerate(plan.stop_conditions)
+            if not isinstance(stop, StopAtTime)
+        ]
+
+    def check(self, step: int) -> StopReason | None:
+        """Return what ends the run with this step, at which there is a look."""
+        for number, condition in self._conditions:
+            reason = condition(step * self._time_step)
+            if reason is not None:
+                return StopReason(number, reason)
+        return None
+
+    def at_step(self, step: int) -> StopReason | None:
+        """Return what ends the run with a step because of its time alone."""
+        return self._reason_at_last if step >= self.steps else None
+
+
+def _stop_step(stop: StopAtTime, plan: Plan) -> int:
+    return math.ceil(stop.time / plan.time_step - _STEP_TOLERANCE)
+
+
+def _condition(
+    stop: StopCondition, plan: Plan, world: World, runners: Sequence[Runner]
+) -> ConditionCheck:
+    if isinstance(stop, StopOutsideBox):
+        names = [planned.thing.name for planned in plan.objects]
+        thing = world.objects[names.index(stop.object_name)]
+        return partial(_reason_outside_bounds, stop, thing, units_of(plan).length)
+    assert isinstance(stop, StopAtRest)
+    return _RestCondition(stop, plan, world, runners).condition
+
+
+def _reason_outside_bounds(
+    stop: StopOutsideBox, thing: WorldThing, length: float, time: float
+) -> str | None:
+    position = thing.pose().position
+    for axis, low, value, high in zip(AXIS_NAMES, stop.lower, position, stop.upper, strict=True):
+        if not low <= value <= high:
+            bounds = f"[{low / length:g}, {high / length:g}]"
+            return (
+                f"'{stop.object_name}' has left {axis} in {bounds}: it is at {value / length:.6g} m"
+            )
+    return None
+
+
+class _RestCondition:
+    """Counts for how long everything has been slow."""
+
+    def __init__(
+        self, stop: StopAtRest, plan: Plan, world: World, runners: Sequence[Runner]
+    ) -> None:
+        self._stop = stop
+        self._runners = runners
+        self._velocities: list[Callable[[], tuple[Vector, Vector]]] = [
+            runner.world_body.base_velocity
+            for runner in runners
+            if runner.body.base == "free" or runner.body.path is not None
+        ]
+        self._velocities += [
+            thing.velocity
+            for thing, planned in zip(world.objects, plan.objects, strict=True)
+            if not planned.thing.is_fixed
+        ]
+        self._slow_since: float | None = None
+
+    def condition(self, time: float) -> str | None:
+        stop = self._stop
+        if time < stop.after or not self._is_slow():
+            self._slow_since = None
+            return None
+        if self._slow_since is None:
+            self._slow_since = time
+        # differences of times that are multiples of a step round either way
+        if time - self._slow_since < stop.duration * (1 - 1e-9):
+            return None
+        return f"all has been at rest for {stop.duration:g} s"
+
+    def _is_slow(self) -> bool:
+        stop = self._stop
+        if not all(runner.fastest < stop.rate for runner in self._runners):
+            return False
+        velocities = [velocity() for velocity in self._velocities]
+        return all(
+            geometry.norm(linear) < stop.speed and geometry.norm(spin) < stop.rate
+            for linear, spin in velocities
+        )

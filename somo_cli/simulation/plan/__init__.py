@@ -1,0 +1,1 @@
+"""Everything decided before an engine starts, in the engine's units."""

@@ -1,0 +1,23 @@
+"""From SI to the engine's units: the few factors that rows and stops need."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from somo_cli.manipulator.dimensions import Dimension
+from somo_cli.simulation.plan.model import TORQUE, Plan
+
+
+@dataclass(frozen=True, slots=True)
+class Units:
+    """Engine units per SI unit."""
+
+    length: float
+    torque: float
+    force: float
+
+
+def units_of(plan: Plan) -> Units:
+    """Return the factors that lead from SI to the units of a plan."""
+    force = plan.scale.factor(Dimension(mass=1, length=1, time=-2))
+    return Units(plan.scale.factor(Dimension(length=1)), plan.scale.factor(TORQUE), force)

@@ -1,0 +1,226 @@
+"""What a plan leaves out of a run and keeps, why, and what that saves; before any engine."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from somo_cli.scene import columns
+from somo_cli.simulation import savings
+from somo_cli.simulation.integrator.refresh_policy import (
+    CALM_REFRESH,
+    STEPS_BETWEEN_LOOKS,
+    SWIFT_REFRESH,
+)
+from somo_cli.simulation.monitoring.penetration import steps_between_samples
+from somo_cli.simulation.plan.model import Plan, needs_engine_limits
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """One thing that a run could do: whether it does, and why or why not.
+
+    `saves` says what that spares in this scene, None where it spares nothing or cannot be counted.
+    """
+
+    what: str
+    is_kept: bool
+    why: str
+    saves: str | None = None
+
+    def __str__(self) -> str:
+        saves = "" if self.saves is None else f"; saves {self.saves}"
+        return f"{'kept' if self.is_kept else 'left out':8}  {self.what}: {self.why}{saves}"
+
+
+def explain(plan: Plan) -> tuple[Decision, ...]:
+    """Return every decision of a plan."""
+    return (
+        *_shape_decisions(plan),
+        *_contact_decisions(plan),
+        *_joint_decisions(plan),
+        *_engine_decisions(plan),
+        *_state_decisions(plan),
+    )
+
+
+def plain_data(plan: Plan) -> list[dict[str, object]]:
+    """Return the decisions as plain data."""
+    return [
+        {"what": one.what, "kept": one.is_kept, "why": one.why, "saves": one.saves}
+        for one in explain(plan)
+    ]
+
+
+def _shape_decisions(plan: Plan) -> Iterator[Decision]:
+    what, solids = "collision shapes", _count(savings.solids(plan), "shape")
+    if plan.can_touch:
+        parts = [_count(len(plan.bodies), "manipulator")]
+        parts += [_count(len(plan.objects), "object")] if plan.objects else []
+        parts += ["the ground"] if plan.ground is not None else []
+        yield Decision(what, True, f"{', '.join(parts)} can touch")
+    else:
+        is_alone = len(plan.bodies) == 1 and not plan.objects and plan.ground is None
+        what_is = (
+            "one manipulator, no ground, no objects"
+            if is_alone
+            else "all of it out of reach of each other, wherever joints go"
+        )
+        why = f"{what_is}, self_collision off: nothing can touch"
+        if plan.keeps_everything:
+            yield Decision(what, True, f"asked for, though {why}")
+        else:
+            yield Decision(what, False, why, f"{solids} to move in every step")
+    if plan.keeps_everything:
+        yield Decision("visual shapes", True, "asked for")
+    else:
+        yield Decision("visual shapes", False, "nothing is rendered", solids)
+    merged = savings.merged_links(plan)
+    why = "what is rigid is one link" if merged else "every link is one solid"
+    saves = f"{_count(merged, 'link')} and as many fixed joints" if merged else None
+    yield Decision("links joined by fixed joints", False, why, saves)
+
+
+def _contact_decisions(plan: Plan) -> Iterator[Decision]:
+    if not plan.can_touch:
+        yield Decision("looks at how deep bodies are in each other", False, "nothing can touch")
+        return
+    between = steps_between_samples(plan.time_step, STEPS_BETWEEN_LOOKS)
+    sampled = f"the list of contact points in {between - 1} of {between} steps"
+    what, seldom = "looks at how deep bodies are in each other", "at most 8 ms apart"
+    yield Decision(what, True, seldom, sampled if between > 1 else None)
+    able = [body.name for body in plan.bodies if body.has_self_collision]
+    why = f"of {', '.join(able)}" if able else "self_collision is off"
+    spared = savings.untested_link_pairs(plan)
+    saves = f"{'at least ' if able else ''}{_count(spared, 'pair')} of links" if spared else None
+    yield Decision("collisions within a manipulator", bool(able), why, saves)
+    if held := savings.fixed_pairs(plan):
+        saves = _count(held, "pair")
+        yield Decision("collisions of what is held", False, "neither would yield", saves)
+    rebounds = any(surface.restitution > 0 for surface in plan.surfaces)
+    why = "a restitution is above 0" if rebounds else "no restitution is above 0"
+    yield Decision("engine parameters for rebounds", rebounds, why)
+    is_directed = any(surface.friction_anisotropy is not None for surface in plan.surfaces)
+    what = "friction by direction, between the engine's steps"
+    if is_directed:
+        yield Decision(what, True, "a surface has anisotropic_friction")
+    else:
+        yield Decision(what, False, "no anisotropic_friction", "a look at contact in every step")
+
+
+def _joint_decisions(plan: Plan) -> Iterator[Decision]:
+    yield _motor_decision(plan)
+    yield _limit_decision(plan)
+    angles = f"{SWIFT_REFRESH:g} rad, moving slowly {CALM_REFRESH:g} rad"
+    why = f"renewed once joints have moved by {angles}, or less where it changes faster"
+    sizes = sorted({len(body.chain.joints) for body in plan.bodies})
+    of_sizes = ", ".join(f"{size} x {size}" for size in sizes)
+    saves = f"inertia and inverse, {of_sizes}, of {_count(len(plan.bodies), 'body')} in all others"
+    yield Decision("inertia of the joints in every step", False, why, saves)
+    paths = [*(body.path for body in plan.bodies), *(one.path for one in plan.objects)]
+    moved = any(path is not None for path in paths)
+    yield Decision("prescribed motion", moved, "motion is given" if moved else "no motion is given")
+    is_loaded = any(body.loads for body in plan.bodies)
+    yield Decision("external loads", is_loaded, "loads are given" if is_loaded else "no loads")
+
+
+def _motor_decision(plan: Plan) -> Decision:
+    what = "motor rows of joints"
+    joints = [joint for body in plan.bodies for joint in body.chain.joints]
+    rubbing = sum(joint.friction > 0 for joint in joints)
+    idle = len(joints) - rubbing
+    why = (
+        f"dry friction of {_count(rubbing, 'joint')}, one row each"
+        if rubbing
+        else "no dry friction"
+    )
+    if idle and any(body.has_idle_motors for body in plan.bodies):
+        more = f"{why}, asked for of {idle} more" if rubbing else f"asked for, though {why}"
+        return Decision(what, True, more)
+    # every joint has a motor by default, whose row asks the solver for all of its iterations
+    return Decision(
+        what, rubbing > 0, why, f"{_count(idle, 'row')} in every step" if idle else None
+    )
+
+
+def _limit_decision(plan: Plan) -> Decision:
+    what = "joint limits in the engine"
+    limited = sum(joint.is_limited for body in plan.bodies for joint in body.chain.joints)
+    if not limited:
+        return Decision(what, False, "no joint has any")
+    have = f"{_count(limited, 'joint')} with limits"
+    if any(body.has_engine_limits for body in plan.bodies):
+        needs = (
+            needs_engine_limits(plan.can_touch, plan.integrator, body.base) for body in plan.bodies
+        )
+        asked = "" if any(needs) else ", asked for, though the law stops them"
+        # seen in 3.2.7: a limit has a row only while its joint is beyond it
+        return Decision(what, True, f"{have}, a row only beyond one{asked}")
+    # the engine has two rows in mind for each, and sorts and asks them in every step
+    return Decision(
+        what, False, f"{have}, at which the law stops them", f"{limited} constraints in every step"
+    )
+
+
+def _engine_decisions(plan: Plan) -> Iterator[Decision]:
+    yield Decision("dampers and springs of the engine", False, "in nobody's model")
+    yield Decision("sleeping of the engine", False, "springs act on what is at rest as well")
+    # as many as `bullet` allows; without a row the first one is the last
+    why = (
+        "200 at most, 50 with more than 16 points of contact, fewer once a step is solved; "
+        "one in a step without constraints, contacts, limits and dry friction"
+    )
+    yield Decision("iterations of the solver", True, why)
+
+
+def _state_decisions(plan: Plan) -> Iterator[Decision]:
+    kinds = {group.quantity for group in columns.body_column_groups(plan.recorded)}
+    object_quantities = {group.reading for group in columns.object_column_groups(plan.recorded)}
+    recorded = ", ".join(sorted({*kinds, *object_quantities})) or "nothing but the time"
+    every = "every step" if plan.every == 1 else f"every {plan.every} steps"
+    yield Decision("recorded state", True, f"{recorded}, {every}", _skipped_columns(plan))
+    both = {*kinds, *object_quantities}
+    what = "contact points of recorded steps"
+    if not columns.NEEDS_CONTACTS.isdisjoint(both):
+        yield Decision(what, True, "columns need them")
+    else:
+        saves = "their list for every row" if plan.can_touch else None
+        yield _unless_asked(plan, what, "no column needs them", saves)
+    # with the implicit law velocities live at half steps, so a row needs those of the step after it
+    halves = plan.integrator == "implicit"
+    what = "velocities of the step after a row"
+    if halves and not (columns.NEEDS_VELOCITIES | {"velocity"}).isdisjoint(both):
+        yield Decision(what, True, "columns need velocities")
+    elif halves:
+        why, saves = "no column needs velocities between steps", "a step beyond the last row"
+        yield _unless_asked(plan, what, why, saves)
+    else:
+        yield Decision(what, False, "no column needs velocities between steps")
+    ends = bool(plan.stop_conditions)
+    why = (
+        f"{_count(len(plan.stop_conditions), 'condition')} of stop" if ends else "no stop is given"
+    )
+    saves = None if ends else f"a look every {STEPS_BETWEEN_LOOKS} steps"
+    yield Decision("looks at what ends the run", ends, why, saves)
+
+
+def _unless_asked(plan: Plan, what: str, why: str, saves: str | None) -> Decision:
+    if plan.keeps_everything:
+        return Decision(what, True, f"asked for, though {why}")
+    return Decision(what, False, why, saves)
+
+
+def _skipped_columns(plan: Plan) -> str | None:
+    sampled, available = len(columns.header(plan.recorded)) - 1, savings.available_columns(plan)
+    parts = (
+        [f"{available - sampled} of {available} columns in every row"]
+        if sampled < available
+        else []
+    )
+    parts += [f"all of them in {plan.every - 1} of {plan.every} steps"] if plan.every > 1 else []
+    return " and ".join(parts) or None
+
+
+def _count(number: int, noun: str) -> str:
+    plural = "bodies" if noun == "body" else f"{noun}s"
+    return f"{number} {noun if number == 1 else plural}"

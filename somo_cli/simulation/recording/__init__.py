@@ -1,0 +1,1 @@
+"""From the states of a run to columns, rows and CSV."""

@@ -1,0 +1,166 @@
+"""The values of a body's columns in SI, from its states in several rows at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+
+from somo_cli.arrays import Array
+from somo_cli.manipulator.geometry import Vector
+from somo_cli.manipulator.kinematics import Pose
+from somo_cli.scene.columns import channels
+from somo_cli.scene.model import Quantity
+from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
+from somo_cli.simulation.dynamics.forward_kinematics import (
+    ChainPoses,
+    Frames,
+    frames_of,
+    point_of,
+    quaternions,
+)
+from somo_cli.simulation.engine.contacts import Touch
+from somo_cli.simulation.plan.model import Body
+from somo_cli.simulation.plan.units import Units
+from somo_cli.simulation.recording import contact_values
+
+
+@dataclass
+class BodyStates:
+    """One body at several instants, in engine units: angles, rates and actuation, shape (n, rows).
+
+    `base_poses` are those of the base's URDF frame in the world, if a column needs them, one for
+    each row or one for all; `base_velocities` hold the velocity of the base's centre of mass and
+    its spin, in the world. `number` is that of the body, and `touches` all that touched anything
+    in the step before each row.
+    """
+
+    body: Body
+    angles: Array
+    rates: Array
+    actuation: Array
+    base_poses: Sequence[Pose]
+    base_velocities: Sequence[tuple[Vector, Vector]]
+    gravity: Vector
+    poses: ChainPoses
+    dynamics: Callable[[], ChainDynamics]
+    number: int = 0
+    others: Sequence[int] = ()
+    touches: Sequence[Sequence[Touch]] = ()
+
+    @cached_property
+    def base_frames(self) -> Frames:
+        """The frames of the base, shapes (3, rows) and (3, 3, rows), or of one row for all."""
+        return frames_of(self.base_poses)
+
+    @cached_property
+    def frames(self) -> Frames:
+        """Every link frame in the world, root first."""
+        return self.poses.frames(self.angles, self.base_frames)
+
+
+BodyValueReader: TypeAlias = Callable[[BodyStates, Units], Array]
+"""Returns the columns of a quantity, shape (columns, rows), or (columns, 1) if no row differs."""
+
+
+def _angles(states: BodyStates, units: Units) -> Array:
+    return states.angles
+
+
+def _rates(states: BodyStates, units: Units) -> Array:
+    return states.rates
+
+
+def _spring_torques(states: BodyStates, units: Units) -> Array:
+    joints = states.body.chain.joints
+    stiffness = np.array([[joint.stiffness] for joint in joints])
+    neutral = np.array([[joint.neutral_position] for joint in joints])
+    torques: Array = -stiffness * (states.angles - neutral) / units.torque
+    return torques
+
+
+def _actuation(states: BodyStates, units: Units) -> Array:
+    joints = [(joint.actuator, joint.channel) for joint in states.body.chain.joints]
+    first = [joints.index(channel) for channel in channels(states.body.chain)]
+    return np.asarray(states.actuation[first] / units.torque)
+
+
+def _curvatures(states: BodyStates, units: Units) -> Array:
+    spans = np.array([[joint.span / units.length] for joint in states.body.chain.joints])
+    return np.asarray(states.angles / spans)
+
+
+def _link_positions(states: BodyStates, units: Units) -> Array:
+    positions, _ = states.frames
+    return positions.reshape(-1, positions.shape[-1]) / units.length
+
+
+def _link_orientations(states: BodyStates, units: Units) -> Array:
+    turns = quaternions(states.frames[1])
+    return turns.reshape(-1, turns.shape[-1])
+
+
+def _base_pose(states: BodyStates, units: Units) -> Array:
+    positions, rotations = states.base_frames
+    return np.concatenate([positions / units.length, quaternions(rotations)])
+
+
+def _tip_position(states: BodyStates, units: Units) -> Array:
+    chain = states.body.chain
+    ends = [(limb.last_link, limb.tip) for limb in chain.limbs] or [(-1, chain.tip)]
+    return np.concatenate([point_of(states.frames, link, tip) / units.length for link, tip in ends])
+
+
+def _energy(states: BodyStates, units: Units) -> Array:
+    dynamics, rows = states.dynamics(), states.angles.shape[1]
+    bases = states.base_poses if len(states.base_poses) == rows else [*states.base_poses] * rows
+    found = []
+    for row, (base, (velocity, spin)) in enumerate(zip(bases, states.base_velocities, strict=True)):
+        pose = dynamics.at(states.angles[:, row], base)
+        found.append(
+            (
+                pose.kinetic_energy([*spin, *velocity, *states.rates[:, row].tolist()]),
+                pose.elastic_energy(),
+                pose.gravity_energy(states.gravity),
+            )
+        )
+    return np.array(found).T / units.torque
+
+
+def _contact_force(states: BodyStates, units: Units) -> Array:
+    number = states.number
+    return np.array([contact_values.total_force(row, number, units) for row in states.touches]).T
+
+
+def _contact_pairs(states: BodyStates, units: Units) -> Array:
+    number, others = states.number, states.others
+    return np.array(
+        [contact_values.pair_forces(row, number, others, units) for row in states.touches]
+    ).T
+
+
+def _link_contact_forces(states: BodyStates, units: Units) -> Array:
+    number, count = states.number, len(states.body.chain.links)
+    return np.array(
+        [contact_values.link_forces(row, number, count, units) for row in states.touches]
+    ).T
+
+
+BODY_VALUES: dict[Quantity, BodyValueReader] = {
+    "joint_angles": _angles,
+    "joint_rates": _rates,
+    "spring_torques": _spring_torques,
+    "actuation": _actuation,
+    "curvatures": _curvatures,
+    "link_positions": _link_positions,
+    "link_orientations": _link_orientations,
+    "base_pose": _base_pose,
+    "tip_position": _tip_position,
+    "energy": _energy,
+    "contact_force": _contact_force,
+    "contact_pairs": _contact_pairs,
+    "link_contact_forces": _link_contact_forces,
+}

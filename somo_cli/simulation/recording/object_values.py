@@ -1,0 +1,74 @@
+"""The values of an object's columns in SI, from its states in several rows at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from somo_cli.arrays import Array
+from somo_cli.manipulator.geometry import Vector
+from somo_cli.manipulator.kinematics import Pose
+from somo_cli.scene.rigid_object import ObjectQuantity
+from somo_cli.simulation.dynamics.forward_kinematics import frames_of, quaternions
+from somo_cli.simulation.engine.contacts import Touch
+from somo_cli.simulation.plan.units import Units
+from somo_cli.simulation.recording import contact_values
+
+
+@dataclass
+class ObjectStates:
+    """One object at several instants, in engine units and the world's axes; what columns need.
+
+    `number` is that of the object behind all bodies, and `touches` what touched anything in the
+    step before each row. `total_rotations` is how far it has total_rotations since the start, as `turning` counts
+    it [rad]; `velocities` hold that of its centre, and its spin.
+    """
+
+    number: int
+    others: Sequence[int]
+    poses: Sequence[Pose]
+    velocities: Sequence[tuple[Vector, Vector]]
+    total_rotations: Sequence[Vector]
+    touches: Sequence[Sequence[Touch]]
+
+
+ObjectValueReader: TypeAlias = Callable[[ObjectStates, Units], Array]
+"""Returns the columns of a reading, shape (columns, rows)."""
+
+
+def _pose(states: ObjectStates, units: Units) -> Array:
+    positions, rotations = frames_of(states.poses)
+    return np.concatenate([positions / units.length, quaternions(rotations)])
+
+
+def _velocity(states: ObjectStates, units: Units) -> Array:
+    linear, spins = np.moveaxis(np.array(states.velocities), 0, -1)
+    return np.concatenate([linear / units.length, spins])
+
+
+def _angles(states: ObjectStates, units: Units) -> Array:
+    return np.array(states.total_rotations).T
+
+
+def _contact_force(states: ObjectStates, units: Units) -> Array:
+    number = states.number
+    return np.array([contact_values.total_force(row, number, units) for row in states.touches]).T
+
+
+def _contact_pairs(states: ObjectStates, units: Units) -> Array:
+    number, others = states.number, states.others
+    return np.array(
+        [contact_values.pair_forces(row, number, others, units) for row in states.touches]
+    ).T
+
+
+OBJECT_VALUES: dict[ObjectQuantity, ObjectValueReader] = {
+    "pose": _pose,
+    "velocity": _velocity,
+    "angles": _angles,
+    "contact_force": _contact_force,
+    "contact_pairs": _contact_pairs,
+}

@@ -1,0 +1,218 @@
+"""What was taken of bodies and objects in several steps, and the columns made of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from somo_cli.arrays import Array
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator.geometry import Vector
+from somo_cli.manipulator.kinematics import Pose
+from somo_cli.scene import columns
+from somo_cli.scene.columns import BodyColumnGroup, ObjectColumnGroup
+from somo_cli.simulation.dynamics.forward_kinematics import ChainPoses
+from somo_cli.simulation.engine.contacts import Touch
+from somo_cli.simulation.engine.interface import WorldThing
+from somo_cli.simulation.integrator.body_stepper import Runner
+from somo_cli.simulation.monitoring.divergence import StateHistory
+from somo_cli.simulation.plan.model import Plan
+from somo_cli.simulation.plan.units import Units
+from somo_cli.simulation.recording import body_values, object_values
+from somo_cli.simulation.recording.body_values import BodyStates
+from somo_cli.simulation.recording.object_values import ObjectStates
+from somo_cli.simulation.recording.rotation_counter import RotationCounter
+
+_NEEDS_POSE = frozenset({"pose", "angles"})
+_AT_REST = (geometry.ZERO, geometry.ZERO)
+
+
+class BodyRowBuffer:
+    """The columns of one manipulator, and its states in all rows, for the watch.
+
+    There is room for `capacity` rows.
+    """
+
+    def __init__(
+        self,
+        plan: Plan,
+        number: int,
+        runner: Runner,
+        groups: Sequence[BodyColumnGroup],
+        units: Units,
+        capacity: int,
+    ) -> None:
+        self._runner = runner
+        self._law = runner.law
+        self._gravity = plan.gravity
+        self._number, self._others = number, plan.recorded.contact_partners(number)
+        self._units = units
+        kinds = {group.quantity for group in groups}
+        can_move = runner.body.base != "static"
+        # a base that can move is read at every row's step, any other once
+        needs_base_pose = not kinds.isdisjoint(columns.NEEDS_BASE_POSE)
+        self._records_base_pose = can_move and needs_base_pose
+        self._base = runner.world_body.base_pose() if needs_base_pose else Pose()
+        self._records_base_velocity = can_move and "energy" in kinds
+        self.needs_velocities = not columns.NEEDS_VELOCITIES.isdisjoint(kinds)
+        """Whether any column needs those of the instant."""
+        self._averages_rates = self.needs_velocities and plan.integrator == "implicit"
+        self._records_actuation = "actuation" in kinds
+        self._poses = ChainPoses(runner.body.chain)
+        self._groups = groups
+        # angles and rates, as the law has them one behind the other
+        self._motion = runner.law.motion
+        count = len(runner.law.rates)
+        self._motions: Array = np.empty((capacity, 2 * count))
+        self._rates_after: Array = np.empty((capacity, count))
+        self._actuation: Array = np.empty((capacity, count))
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget what was taken."""
+        self._masses: list[Array] = []
+        self._bases: list[Pose] = []
+        self._velocities: list[tuple[Vector, Vector]] = []
+        self._velocities_after: list[tuple[Vector, Vector]] = []
+
+    def take(self, row: int) -> None:
+        """Take the present state for a row."""
+        runner = self._runner
+        self._motions[row] = self._motion
+        self._masses.append(runner.mass)
+        if self._records_actuation:
+            self._actuation[row] = runner.actuation
+        if self._records_base_pose:
+            self._bases.append(runner.world_body.base_pose())
+        if self._records_base_velocity:
+            self._velocities.append(runner.world_body.base_velocity())
+
+    def complete(self, row: int) -> None:
+        """Take the velocities half a step after the state of a row, the last that was taken."""
+        self._rates_after[row] = self._law.rates
+        if self._records_base_velocity:
+            self._velocities_after.append(self._runner.world_body.base_velocity())
+
+    def history(self, rows: int) -> StateHistory:
+        """Return the first so many states, for the watch."""
+        count = len(self._law.rates)
+        motions = self._motions[:rows]
+        return StateHistory(motions[:, :count], motions[:, count:], self._masses[:rows])
+
+    def fill(self, table: Array, touches: Sequence[Sequence[Touch]]) -> None:
+        """Write the columns, shape (columns, rows), for as many rows as the table has."""
+        rows = table.shape[1]
+        if not (rows and self._groups):
+            return
+        history = self.history(rows)
+        rates = history.rates
+        if self._averages_rates:
+            rates = 0.5 * (rates + self._rates_after[:rows])
+        states = BodyStates(
+            self._runner.body,
+            history.angles.T,
+            rates.T,
+            self._actuation[:rows].T,
+            self._bases[:rows] or [self._base],
+            mean_velocities(self._velocities[:rows], self._velocities_after) or [_AT_REST] * rows,
+            self._gravity,
+            self._poses,
+            self._runner.dynamics,
+            self._number,
+            self._others,
+            touches,
+        )
+        for group in self._groups:
+            values = body_values.BODY_VALUES[group.quantity](states, self._units)
+            table[group.first : group.last] = select_values(group, values)
+
+
+class ObjectRowBuffer:
+    """The columns of one object."""
+
+    def __init__(
+        self,
+        plan: Plan,
+        index: int,
+        thing: WorldThing,
+        groups: Sequence[ObjectColumnGroup],
+        units: Units,
+    ) -> None:
+        self._thing = thing
+        self._units = units
+        self._number = len(plan.bodies) + index
+        self._others = plan.recorded.contact_partners(self._number)
+        kinds = {group.reading for group in groups}
+        self._records_pose = not _NEEDS_POSE.isdisjoint(kinds)
+        self.needs_velocities = "velocity" in kinds
+        """Whether any column needs those of the instant."""
+        self._rotation_counter = (
+            RotationCounter(thing.pose().rotation) if "angles" in kinds else None
+        )
+        self._groups = groups
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget what was taken."""
+        self._poses: list[Pose] = []
+        self._total_rotations: list[Vector] = []
+        self._velocities: list[tuple[Vector, Vector]] = []
+        self._velocities_after: list[tuple[Vector, Vector]] = []
+
+    def count_rotation(self) -> None:
+        """Count the turns since the last look."""
+        if self._rotation_counter is not None:
+            self._rotation_counter.update(self._thing.pose().rotation)
+
+    def take(self, row: int) -> None:
+        """Take the present state for a row."""
+        if self._records_pose:
+            pose = self._thing.pose()
+            self._poses.append(pose)
+            if self._rotation_counter is not None:
+                self._total_rotations.append(self._rotation_counter.at(pose.rotation))
+        if self.needs_velocities:
+            self._velocities.append(self._thing.velocity())
+
+    def complete(self, row: int) -> None:
+        """Take the velocities half a step after the state of a row, the last that was taken."""
+        self._velocities_after.append(self._thing.velocity())
+
+    def fill(self, table: Array, touches: Sequence[Sequence[Touch]]) -> None:
+        """Write the columns, shape (columns, rows), for as many rows as the table has."""
+        rows = table.shape[1]
+        if not rows:
+            return
+        states = ObjectStates(
+            self._number,
+            self._others,
+            self._poses[:rows],
+            mean_velocities(self._velocities[:rows], self._velocities_after),
+            self._total_rotations[:rows],
+            touches,
+        )
+        for group in self._groups:
+            values = object_values.OBJECT_VALUES[group.reading](states, self._units)
+            table[group.first : group.last] = select_values(group, values)
+
+
+def select_values(group: BodyColumnGroup | ObjectColumnGroup, values: Array) -> Array:
+    """Return of the columns of a quantity, shape (columns, rows), those that are kept."""
+    return values if group.selection.selects_all else values[list(group.selection.indices)]
+
+
+def mean_velocities(
+    before: Sequence[tuple[Vector, Vector]], after: Sequence[tuple[Vector, Vector]]
+) -> list[tuple[Vector, Vector]]:
+    """Return the mean_velocities of velocities half a step before and after, or those before if alone."""
+    if not after:
+        return list(before)
+    return [_mean_velocity(*pair) for pair in zip(before, after, strict=False)]
+
+
+def _mean_velocity(
+    before: tuple[Vector, Vector], after: tuple[Vector, Vector]
+) -> tuple[Vector, Vector]:
+    (ax, ay, az), (bx, by, bz) = (geometry.add(*pair) for pair in zip(before, after, strict=True))
+    return (0.5 * ax, 0.5 * ay, 0.5 * az), (0.5 * bx, 0.5 * by, 0.5 * bz)

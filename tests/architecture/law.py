@@ -1,0 +1,127 @@
+"""Which room may import which, and which module is the one home of each library."""
+
+from __future__ import annotations
+
+import sys
+
+from tests.architecture.imports import imports
+
+_GROUND = {"", "problems", "arrays"}
+_MEANING = {*_GROUND, "document", "manipulator"}
+_SCENE = {*_MEANING, "scene"}
+_PLAN = {*_GROUND, "manipulator", "scene", "simulation.plan"}
+_ENGINE = {*_PLAN, "simulation.dynamics", "simulation.engine"}
+_MOTION = {*_ENGINE, "simulation.integrator"}
+_RUN = {*_MOTION, "simulation.monitoring", "simulation.recording", "simulation"}
+
+KNOWS: dict[str, set[str]] = {
+    "problems": set(),
+    "arrays": set(),
+    "files": {"", "problems"},
+    "terminal": {"", "problems"},
+    "document": {"", "problems"},
+    "manipulator": {"", "problems", "document"},
+    "scene": _MEANING - {"arrays"},
+    "scene.checks": _SCENE - {"arrays"},
+    "simulation.plan": _PLAN - {"simulation.plan"},
+    "simulation.dynamics": _PLAN,
+    "simulation.engine": _PLAN | {"simulation.dynamics"},
+    "simulation.engine.bullet": _ENGINE,
+    "simulation.integrator": _ENGINE,
+    "simulation.monitoring": _MOTION,
+    "simulation.recording": _MOTION | {"simulation.monitoring"},
+    "simulation": _RUN,
+    "analysis": _RUN | {"document"},
+    "calibration": _RUN | {"document", "analysis"},
+    "picture": _RUN | {"simulation.engine.bullet", "analysis"},
+    "loading": _RUN | {"document", "scene.checks", "simulation.engine.bullet", "analysis", "files"},
+    "cli": _RUN
+    | {
+        "document",
+        "scene.checks",
+        "simulation.engine.bullet",
+        "analysis",
+        "calibration",
+        "picture",
+        "terminal",
+        "files",
+        "loading",
+    },
+    "__main__": {"cli"},
+    "": set(),  # the package itself: a docstring and a version
+}
+"""Every room from the ground up, and the rooms that it may import beside itself."""
+
+HOMES: dict[str, tuple[str, ...]] = {
+    "csv": ("analysis.study_report", "analysis.trajectory"),
+    "imageio_ffmpeg": ("picture.film",),
+    "jsonschema": ("document.validate",),
+    "matplotlib": ("picture.",),
+    "numpy": (
+        "arrays",
+        "scene.mesh",
+        "scene.compound",
+        "simulation.",
+        "analysis.",
+        "calibration.",
+        "picture.",
+        "manipulator.urdf_readback",
+    ),
+    "pybullet": ("simulation.engine.bullet.client",),
+    "referencing": ("document.validate",),
+    "rich": ("terminal",),
+    "scipy": ("analysis.", "calibration."),
+    "trimesh": ("scene.mesh",),
+    "typer": ("cli.",),
+    "xml": ("manipulator.urdf", "scene.urdf_xml"),
+    "yaml": ("document.parse",),
+    "yourdfpy": ("manipulator.urdf_readback",),
+}
+"""Every library that is not the interpreter's own, and the standard ones that are a format."""
+
+HEAVY = {
+    "imageio_ffmpeg",
+    "matplotlib",
+    "numpy",
+    "pybullet",
+    "rich",
+    "scipy",
+    "trimesh",
+    "yourdfpy",
+}
+"""Slow to load, so nothing loads them that has not asked for what they do."""
+
+
+def room_of(module: str) -> str | None:
+    """Return the innermost room that a module lies in; None if no room of the law holds it."""
+    name = module
+    while name not in KNOWS:
+        if "." not in name:
+            return "" if name == "" else None
+        name = name.rpartition(".")[0]
+    return name
+
+
+def breaches(module: str, source: str) -> list[str]:
+    """Return what the module imports against the law, one line each."""
+    room = room_of(module)
+    if room is None:
+        return [f"{module} is in no room of the law: say in KNOWS what it may know"]
+    found = []
+    for target, line, _ in imports(source):
+        library, _, rest = target.partition(".")
+        if target.startswith("."):
+            found.append(f"line {line}: {target} is relative")
+        elif library == "somo_cli":
+            other = room_of(rest) or ""  # `from somo_cli import __version__`
+            if other != room and other not in KNOWS[room]:
+                found.append(f"line {line}: {room} must not know {other or 'the package'}")
+        elif library in HOMES:
+            if not any(
+                f"{module}.".startswith(home) if home.endswith(".") else module == home
+                for home in HOMES[library]
+            ):
+                found.append(f"line {line}: {library} lives in {' and '.join(HOMES[library])}")
+        elif library not in sys.stdlib_module_names:
+            found.append(f"line {line}: {library} has no home: give it one in HOMES")
+    return found

@@ -1,0 +1,97 @@
+"""What is wrong with the shape and the mass of an object."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator.kinematics import Pose
+from somo_cli.scene import object_shapes
+from somo_cli.scene.extents import min_height
+from tests.manipulator.bodies import Data
+from tests.scene.test_compound import CUBE, PILL
+from tests.scene.test_mesh import corners, obj
+from tests.scene.test_rigid_object import told
+
+
+def test_nothing_is_wrong_with_these() -> None:
+    assert told(CUBE, PILL) == []
+    assert told({**CUBE, "fixed": True}, {**PILL, "fixed": True}) == []
+
+
+@pytest.mark.parametrize(
+    ("thing", "message"),
+    [
+        ({**PILL, "dimensions": [1]}, "a capsule has 2 dimensions, found 1"),
+        ({**PILL, "mass": 1}, "mass and density are two ways to say the same"),
+        ({**PILL, "edge_radius": 1}, "edge_radius is for shape_type box, this one is capsule"),
+        (
+            {**CUBE, "edge_radius": 0.03},
+            "0.03 m is not less than half the shortest edge, 0.03 m",
+        ),
+        (
+            {key: value for key, value in CUBE.items() if key != "dimensions"},
+            "a box needs dimensions",
+        ),
+        ({**CUBE, "position": [0, 0, 0.02]}, "it starts 0.01 m inside the ground"),
+        ({**PILL, "position": [0, 0, 0.03]}, "it starts 0.01 m inside the ground"),
+    ],
+)
+def test_what_is_wrong(thing: Data, message: str) -> None:
+    assert told(thing, ground={}) == [message]
+
+
+def test_a_mesh_in_the_ground() -> None:
+    cube = {"source": "a.obj", "text": obj(corners((0.06, 0.06, 0.06), (0.1, 0.0, 0.03)))}
+    mesh = {"name": "m", "shape_type": "mesh", "mesh": cube, "mass": 1}
+    assert told(mesh, ground={}) == []
+    assert told({**mesh, "position": [0, 0, -0.02]}, ground={}) == [
+        "it starts 0.02 m inside the ground"
+    ]
+    # turned about the origin of its frame, it reaches as far down as it lay aside
+    turned = {**mesh, "rpy": [0, math.pi / 2, 0]}
+    assert told(turned, ground={}) == ["it starts 0.13 m inside the ground"]
+    assert told({**turned, "fixed": True}, ground={}) == []
+
+
+def test_a_urdf_in_the_ground() -> None:
+    inertial = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>'
+    low = '<collision><origin xyz="0 0 -1"/><geometry><sphere radius="0.5"/></geometry></collision>'
+    high = low.replace("-1", "1")
+    text = f'<robot><link name="a">{inertial}{high}{low}</link></robot>'
+    data = {"name": "u", "shape_type": "urdf", "urdf": {"source": "a.urdf", "text": text}}
+    assert told({**data, "position": [0, 0, 1.5]}, ground={}) == []
+    assert told(data, ground={}) == ["it starts 1.5 m inside the ground"]
+
+
+def test_more_shapes_than_the_engine_takes() -> None:
+    pill = '<collision><geometry><capsule length="1" radius="1"/></geometry></collision>'
+    text = f'<robot><link name="a">{6 * pill}</link></robot>'
+    file = {"source": "a.urdf", "text": text}
+    assert told({"name": "u", "shape_type": "urdf", "urdf": file, "fixed": True}) == [
+        "it has 18 shapes, a capsule counting as three, and the engine takes 16"
+    ]
+
+
+def test_a_body_that_resists_no_turn() -> None:
+    inertial = '<inertial><mass value="1"/><inertia ixx="0" iyy="0" izz="0"/></inertial>'
+    ball = '<collision><geometry><sphere radius="1"/></geometry></collision>'
+    text = f'<robot><link name="a">{inertial}{ball}</link></robot>'
+    data = {"name": "u", "shape_type": "urdf", "urdf": {"source": "a.urdf", "text": text}}
+    assert told(data) == ["the moments of inertia of the whole are 0, 0 and 0 kg·m²"]
+    frame = {**data, "urdf": {"source": "a.urdf", "text": text.replace('"1"/><in', '"0"/><in')}}
+    assert told(frame) == ["no link has a mass"]
+
+
+def test_the_lowest_point_of_what_is_round() -> None:
+    tilted = geometry.rotation_from_rpy((0.7, 0.4, 0.2))
+    for thing in (PILL, CUBE):
+        (shape,) = object_shapes.object_link(thing).shapes
+        below = min_height(shape, Pose((0.0, 0.0, 1.0), tilted))
+        x, y, z = tilted[2]
+        if thing is PILL:
+            assert below == pytest.approx(1 - 0.03 * abs(z) - 0.01)
+        else:
+            assert below == pytest.approx(1 - 0.025 * (abs(x) + abs(y) + abs(z)) - 0.005)

@@ -1,0 +1,77 @@
+"""What is wrong with conditions that end a run."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+
+from somo_cli.document.parse import parse
+from somo_cli.scene.checks import scene as scene_checks
+from tests.scene.test_rigid_object import BALL, CUBE, scene_of
+
+BOX = {"z": [0, 1]}
+
+
+def told(*conditions: Any) -> list[tuple[str, str | None]]:
+    table = {**CUBE, "name": "table", "fixed": True, "position": [0, 0, -0.02]}
+    scene = scene_of(CUBE, BALL, table, stop=list(conditions))
+    return [
+        (one.message, one.hint)
+        for one in scene_checks.scene_problems(parse(json.dumps(scene), "a.json"))
+    ]
+
+
+def test_what_is_right() -> None:
+    assert told() == []
+    assert told({"time": 1}, {"at_rest": {}}, {"object": "cube", "leaves": BOX}) == []
+
+
+@pytest.mark.parametrize(
+    ("condition", "message", "hint"),
+    [
+        ({}, "missing a condition", "give time: 2.0, or object: NAME"),
+        ({"object": "cube"}, "missing leaves, the box of the object", "give time"),
+        (
+            {"leaves": BOX},
+            "missing object, the name of what leaves the box",
+            "the objects are cube",
+        ),
+        ({"time": 1, "at_rest": {}}, "time and at_rest are 2 conditions, not one", "list each"),
+        ({"time": 1, "object": "cube"}, "object has no meaning beside time", "leave it out"),
+        ({"object": "cub", "leaves": BOX}, "there is no object 'cub'", "did you mean 'cube'?"),
+        ({"object": "q", "leaves": BOX}, "there is no object 'q'", "the objects are cube, ball"),
+        ({"object": "table", "leaves": BOX}, "'table' is fixed, so it never leaves", "name one"),
+        ({"object": "cube", "leaves": {"z": [1, 0]}}, "nothing is between 1 and 0", "the first"),
+        ({"object": "cube", "leaves": {"x": [1, 1]}}, "nothing is between 1 and 1", "the first"),
+        (
+            {"object": "cube", "leaves": {"x": [1, 2]}},
+            "'cube' starts outside, at x = 0 m",
+            "the run would end",
+        ),
+    ],
+)
+def test_what_is_wrong(condition: dict[str, Any], message: str, hint: str) -> None:
+    ((found, advice),) = told({"time": 3}, condition)
+    assert found == message
+    assert advice is not None
+    assert advice.startswith(hint)
+
+
+@pytest.mark.parametrize(
+    "condition",
+    [
+        {"time": 0},
+        {"time": -1},
+        {"at_rest": {"for": 0}},
+        {"at_rest": {"speed": 0}},
+        {"at_rest": {"rate": -1}},
+        {"at_rest": {"after": -1}},
+        {"object": "cube", "leaves": {}},
+        {"object": "cube", "leaves": {"z": [1]}},
+        {"object": "cube", "leaves": {"w": [0, 1]}},
+    ],
+)
+def test_what_the_schema_refuses(condition: dict[str, Any]) -> None:
+    assert len(told(condition)) == 1

@@ -1,0 +1,80 @@
+"""Whether parts of a scene can be near each other: never no where the engine finds contact."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+
+from somo_cli.manipulator.kinematics import Pose
+from somo_cli.scene.proximity import bounding_box, can_overlap_at_start
+from somo_cli.scene.rigid_object import read_object
+from tests.loading import scene_from_text
+from tests.manipulator.bodies import Data, X, actuator, manipulator
+
+BODY = manipulator(actuator(4, X))
+BALL: Data = {"name": "ball", "shape_type": "sphere", "dimensions": [0.1], "mass": 1}
+
+
+def crowded(*objects: Data, others: tuple[Data, ...] = (), **of_scene: Any) -> bool:
+    one = {"definition": BODY, "position": [9, 9, 9]}
+    data = {"manipulators": [one, *others], "objects": list(objects), **of_scene}
+    return can_overlap_at_start(scene_from_text(json.dumps(data)))
+
+
+def test_what_is_far_apart_is_not_crowded() -> None:
+    assert not crowded()
+    assert not crowded(
+        BALL, {**BALL, "name": "other", "position": [1, 0, 0]}, ground={"height": -1}
+    )
+    assert not crowded(others=({"definition": BODY, "name": "other"},))
+
+
+def test_what_is_near_is() -> None:
+    assert crowded(BALL, {**BALL, "name": "other", "position": [0.19, 0, 0]})
+    assert crowded({**BALL, "position": [9, 9, 9.15]})
+    assert crowded(BALL, {**BALL, "name": "other", "position": [5, 0, 0], "place": {"on": "ball"}},
+                   {**BALL, "name": "third", "position": [5, 0, 0.2]})  # fmt: skip
+    assert crowded(others=({"definition": BODY, "name": "other", "position": [9, 9, 9.07]},))
+
+
+def test_what_is_held_may_stand_in_what_is_held_and_in_the_ground() -> None:
+    fixed = {**BALL, "fixed": True}
+    assert not crowded(fixed, {**fixed, "name": "other"}, ground={})
+    assert crowded(fixed, {**BALL, "name": "other", "position": [0, 0, 0.101]})
+
+
+def test_the_ground_is_near_to_what_is_above_it() -> None:
+    assert crowded({**BALL, "position": [0, 0, 0.1]}, ground={"height": 1e-6})
+    assert not crowded({**BALL, "position": [0, 0, 0.5]}, ground={})
+
+
+@pytest.mark.parametrize(
+    ("shape", "dimensions", "expected"),
+    [
+        ("box", [0.2, 0.4, 0.6], (0.4, 0.6, 0.2)),
+        ("cylinder", [0.6, 0.1], (0.2, 0.6, 0.2)),
+        ("sphere", [0.1], (0.2, 0.2, 0.2)),
+    ],
+)
+def test_the_extent_of_a_turned_object(
+    shape: str, dimensions: list[float], expected: tuple[float, ...]
+) -> None:
+    one = read_object({"name": "a", "shape_type": shape, "dimensions": dimensions, "mass": 1})
+    # z to y, y to x, x to z
+    rotation = ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
+    found = bounding_box(one.chain, (), Pose((1.0, 2.0, 3.0), rotation))
+    assert [high - low for low, high in found] == pytest.approx(expected)
+    assert [(high + low) / 2 for low, high in found] == pytest.approx((1, 2, 3))
+
+
+def test_a_bent_chain_is_where_it_is_bent_to() -> None:
+    chain = scene_from_text(json.dumps(BODY)).manipulators[0].compiled.chain
+    straight = bounding_box(chain, [0.0] * 4, Pose())
+    bent = bounding_box(chain, [-0.4] * 4, Pose())  # about x: towards +y
+    assert straight[2] == pytest.approx((0, chain.length))
+    assert straight[1] == pytest.approx((-0.0085, 0.0085))
+    assert bent[0] == pytest.approx(straight[0])
+    assert bent[1][1] > 0.03
+    assert bent[2][1] < chain.length

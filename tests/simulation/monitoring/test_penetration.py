@@ -1,0 +1,80 @@
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from somo_cli.simulation import run as stepping
+from somo_cli.simulation.monitoring.penetration import (
+    Penetration,
+    PenetrationMonitor,
+    penetration_warning,
+    steps_between_samples,
+)
+from somo_cli.simulation.plan.model import Plan, make_plan
+from tests.loading import scene_from_text, simulated
+from tests.manipulator.bodies import X, actuator, manipulator
+from tests.simulation.fake_world import FakeWorld, plan_of_hinges
+
+
+def plan_with_plate(step: float = 1e-3) -> Plan:
+    """A body at world scale 20 and a plate of 4 mm, with ground far below."""
+    plate = {"name": "plate", "shape_type": "box", "dimensions": [0.1, 0.1, 0.004], "fixed": True}
+    one = {"definition": manipulator(actuator(1, X), world_scale=20)}
+    data = {"time_step": step, "manipulators": [one], "objects": [plate], "ground": {"height": -9}}
+    return make_plan(scene_from_text(json.dumps(data)))
+
+
+def test_the_deepest_relative_to_the_thinner_one_is_kept() -> None:
+    plan = plan_with_plate()
+    world = FakeWorld(plan)
+    watch = PenetrationMonitor(plan, world)
+    watch.update(0)
+    assert watch.deepest is None
+    world.depths = [((0, 1), (2, 0), 0.02), ((0, 1), (1, 0), 0.012)]
+    watch.update(8)
+    world.depths = [((0, 1), (2, 0), 0.03)]
+    watch.update(16)
+    # 0.012 engine units are 0.6 mm, of the plate's 4; 1.5 mm of the link's 17 are less
+    assert watch.deepest == Penetration(
+        0.008, pytest.approx(6e-4), pytest.approx(0.15), ("body", "plate")
+    )
+    assert not watch.deepest.is_deep
+    assert Penetration(0.0, 1e-3, 0.25, ("a", "b")).is_deep
+
+
+def test_advice() -> None:
+    assert penetration_warning(Penetration(0.024, 0.00475, 0.2375, ("finger", "wall")), 6e-3) == (
+        "at 0.024 s 'finger' and 'wall' were 4.75 mm deep in each other, 24 % of the thinner "
+        "one's thickness: contact was not followed; try half the step, --time-step 0.003, and see "
+        "that they do not overlap at the start"
+    )
+
+
+@pytest.mark.parametrize(
+    ("step", "count"), [(1e-4, 8), (1e-3, 8), (2e-3, 4), (5e-3, 1), (1e-2, 1), (1, 1)]
+)
+def test_looks_are_at_most_8_ms_apart(step: float, count: int) -> None:
+    assert steps_between_samples(step, 8) == count
+
+
+def test_a_scene_in_which_nothing_can_touch_is_not_asked() -> None:
+    plan = plan_of_hinges()
+    world = FakeWorld(plan)
+    world.depths = [((0, 0), (0, 1), 1.0)]
+    summary = stepping.run(plan, world, lambda values: None, 20, lambda: 0.0)
+    assert summary.deepest is None
+
+
+def test_an_overlap_at_the_start_is_seen_in_the_engine() -> None:
+    pytest.importorskip("pybullet")
+    one = {"definition": manipulator(actuator(1, X), world_scale=20), "position": [0, 0, 9]}
+    size = {"shape_type": "box", "dimensions": [0.04, 0.04, 0.04], "mass": 0.01}
+    cubes = [{**size, "name": f"cube_{n}", "position": [0, 0, 0.03 * n]} for n in range(2)]
+    data = {"gravity": [0, 0, 0], "manipulators": [one], "objects": cubes}
+    _, summary = simulated(scene_from_text(json.dumps(data)), 8)
+    assert summary.deepest is not None
+    assert summary.deepest.bodies == ("cube_0", "cube_1")
+    assert summary.deepest.depth == pytest.approx(0.01, rel=1e-3)
+    assert summary.deepest.depth_ratio == pytest.approx(0.25, rel=1e-3)
+    assert summary.deepest.is_deep
