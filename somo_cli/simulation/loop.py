@@ -1,4 +1,4 @@
-"""From one stop of a run to the next: what acts, the engine's step, the new state, and rows."""
+"""From one pause of a run to the next: torques, the step of the engine, the new state, and rows."""
 
 from __future__ import annotations
 
@@ -17,7 +17,10 @@ DrivenBody: TypeAlias = Runner | ThingMover
 
 
 class SimulationLoop:
-    """Advances all bodies of a world together; a run spends its time in `advance`."""
+    """Advances all bodies of a world together; a run spends its time in `advance`.
+
+    Without an assembler nothing is recorded.
+    """
 
     def __init__(
         self,
@@ -25,7 +28,7 @@ class SimulationLoop:
         world: World,
         runners: Sequence[Runner],
         movers: Sequence[ThingMover],
-        assembler: RowAssembler,
+        assembler: RowAssembler | None,
         contact_monitor: ContactMonitor | None,
     ) -> None:
         self._plan = plan
@@ -53,13 +56,14 @@ class SimulationLoop:
             self._contact_monitor,
         )
         pulls, counts, every = self._pulls, self._counts, self._plan.every
-        row = first + -first % every  # the next step with a row
+        # the next step with a row, if rows are recorded
+        row = until if assembler is None else first + -first % every
         is_steady = self._is_steady(first, until)
         pushes = self._pushes(first)
         for step in range(first, until):
             if not is_steady and step > first:
                 actuate(step)
-            if step == row:
+            if step == row and assembler is not None:
                 assembler.take(step)
             for push in pushes:
                 push()
@@ -68,7 +72,7 @@ class SimulationLoop:
             step_world()
             for pull in pulls:
                 pull()
-            if step == row:
+            if step == row and assembler is not None:
                 assembler.complete()
                 row += every
             if not is_steady:
@@ -84,6 +88,7 @@ class SimulationLoop:
 
         Its actuation is set.
         """
+        assert self._assembler is not None, "rows are recorded"
         self._assembler.take(step)
         if self._assembler.needs_next_step:
             for push in self._pushes(step):
@@ -94,7 +99,7 @@ class SimulationLoop:
         self._assembler.complete()
 
     def _pushes(self, step: int) -> list[Callable[[], None]]:
-        """Return what applies the torques of a step, which every look decides anew."""
+        """Return what applies the torques of a step, chosen anew at every monitoring interval."""
         if step % STEPS_BETWEEN_LOOKS == 0:
             return [runner.push_first for runner in self._runners]
         return [runner.push for runner in self._runners]

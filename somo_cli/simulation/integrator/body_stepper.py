@@ -81,6 +81,7 @@ class Runner:
         self._drives = [
             (drive.signal.at, _setter(self.actuation, drive.joints)) for drive in body.drives
         ]
+        self._given_torques: dict[tuple[int, ...], tuple[Callable[[float], None], float]] = {}
         self._dynamics: ChainDynamics | None = None
         self.pull = self._make_pull()
 
@@ -94,12 +95,29 @@ class Runner:
         """Set the actuation torques of a time [s], and the loads at the present pose."""
         for at, put in self._drives:
             put(at(time))
+        for put, torque in self._given_torques.values():
+            put(torque)
         if self.loads is not None:
             self._carry(self.loads.force(time, self.law.angles))
 
     def _carry(self, load: Array) -> None:
         """Tell the law of a generalised force of loads, shape (6 + n,)."""
         np.add(self.actuation, load[6:], self.law.actuation)
+
+    def give_torque(self, joints: tuple[int, ...], torque: float) -> None:
+        """Have a torque [engine units] act on joints, in place of what the scene says, until told.
+
+        It acts from the next `actuate` on.
+        """
+        self._given_torques[joints] = _setter(self.actuation, joints), torque
+
+    def rates_of_instant(self) -> Array:
+        """Return the joint rates at the instant of the angles [rad/s], shape (n,).
+
+        The implicit law has them half a step earlier; they are carried on with the acceleration of
+        the last step, to second order.
+        """
+        return self.law.rates_of_instant()
 
     def constant_until(self, time: float) -> float:
         """Return the time [s] up to which `actuate` changes nothing after `time`."""

@@ -277,6 +277,12 @@ class SpringLaw:
         """Return the torques that stop joints at their limits, None if no joint would pass one."""
         return None if self.stop is None else self.stop(acceleration, self._response)
 
+    def rates_of_instant(self) -> Array:
+        """Return the rates at the instant of the angles [rad/s], shape (n,), to second order."""
+        if self.integrator != "implicit":
+            return self.rates.copy()
+        return 1.5 * self.rates - 0.5 * self._previous_rates
+
     def acceleration(self, mass: Array, force: Array) -> Array:
         """Return a = (M + B)⁻¹ (f + s) at the present state, shape (n,) [rad/s²]."""
         damping, implicit = self.parts.of(mass)

@@ -1,0 +1,40 @@
+"""When a run pauses between two steps to check what it does."""
+
+from __future__ import annotations
+
+from somo_cli.simulation.integrator.refresh_policy import STEPS_BETWEEN_LOOKS
+from somo_cli.simulation.monitoring.penetration import steps_between_samples
+from somo_cli.simulation.plan.model import Plan
+
+
+class MonitoringSchedule:
+    """Steps at which motion and contact are checked; they depend on the plan alone.
+
+    So no result depends on what is recorded, or on how many steps are asked for at once.
+    """
+
+    def __init__(self, plan: Plan) -> None:
+        self._contact_interval = STEPS_BETWEEN_LOOKS
+        if plan.can_touch:
+            self._contact_interval = steps_between_samples(plan.time_step, STEPS_BETWEEN_LOOKS)
+
+    @staticmethod
+    def checks_motion(step: int) -> bool:
+        """Whether divergence and stop conditions are checked at a step."""
+        return step % STEPS_BETWEEN_LOOKS == 0
+
+    def checks_contact(self, step: int) -> bool:
+        """Whether the solver's iterations are chosen anew at a step, from the contacts there."""
+        return step % self._contact_interval == 0
+
+    def pause_after(self, step: int, last: int) -> int:
+        """Return the first step after `step` with a check, or `last` if that comes first."""
+        return min(
+            _next_multiple(STEPS_BETWEEN_LOOKS, step),
+            _next_multiple(self._contact_interval, step),
+            last,
+        )
+
+
+def _next_multiple(interval: int, step: int) -> int:
+    return step - step % interval + interval

@@ -1,0 +1,132 @@
+"""A plan in motion: its bodies, what monitors them, and the step that they have reached."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import cast
+
+from somo_cli.simulation.engine import contacts
+from somo_cli.simulation.engine.interface import World, WorldMovedBody, WorldMovedThing
+from somo_cli.simulation.integrator.body_stepper import Runner
+from somo_cli.simulation.integrator.energy_bound import ThingsEnergy
+from somo_cli.simulation.integrator.floating_base import FreeRunner
+from somo_cli.simulation.integrator.half_step_start import begin
+from somo_cli.simulation.integrator.kinematic_object import ThingMover
+from somo_cli.simulation.integrator.prescribed_base import MovedRunner
+from somo_cli.simulation.loop import SimulationLoop
+from somo_cli.simulation.monitoring.contact_events import ContactEvent, ContactMonitor
+from somo_cli.simulation.monitoring.divergence import DivergenceMonitor
+from somo_cli.simulation.monitoring.penetration import Penetration, PenetrationMonitor
+from somo_cli.simulation.plan.model import Plan
+from somo_cli.simulation.recording.row_assembler import RowAssembler, RowWriter
+from somo_cli.simulation.schedule import MonitoringSchedule
+
+
+class Session:
+    """Steps a plan in a world from its start.
+
+    The trajectory does not depend on how many steps are taken at once. With `write` the rows of
+    the plan are recorded and passed on many at a time, shape (rows, columns), in SI; with
+    `on_event` contacts are listed in every step, and each change of them is passed on.
+    """
+
+    def __init__(
+        self,
+        plan: Plan,
+        world: World,
+        write: RowWriter | None = None,
+        on_event: Callable[[ContactEvent], None] | None = None,
+    ) -> None:
+        self.plan = plan
+        self.world = world
+        self.step = 0
+        """The step whose state the bodies have."""
+        self.steppers = [_body_stepper(plan, world, number) for number in range(len(plan.bodies))]
+        kinematic = _kinematic_objects(plan, world)
+        begin(plan, world, self.steppers, kinematic)
+        self.divergence = DivergenceMonitor(
+            plan, self.steppers, _input_by_objects(plan, world, kinematic)
+        )
+        self.assembler = (
+            None
+            if write is None
+            else RowAssembler(plan, world, self.steppers, self.divergence, write)
+        )
+        contact_monitor = None if on_event is None else ContactMonitor(plan.time_step, on_event)
+        self._loop = SimulationLoop(
+            plan, world, self.steppers, kinematic, self.assembler, contact_monitor
+        )
+        self._penetration = PenetrationMonitor(plan, world) if plan.can_touch else None
+        self.schedule = MonitoringSchedule(plan)
+
+    @property
+    def time(self) -> float:
+        """The time of the present state [s]."""
+        return self.step * self.plan.time_step
+
+    @property
+    def deepest(self) -> Penetration | None:
+        """The deepest penetration so far, None where nothing was inside anything."""
+        return None if self._penetration is None else self._penetration.deepest
+
+    def actuate(self) -> None:
+        """Set the torques and loads of the step that starts at the present state."""
+        self._loop.actuate(self.step)
+
+    def monitor(self, is_last: bool = False) -> None:
+        """Do the checks that are due at the present state, and those of the last step if it is.
+
+        Raises SimulationDiverged.
+        """
+        if is_last or self.schedule.checks_motion(self.step):
+            self.divergence.update(self.step)
+        if self._penetration is not None:
+            self._penetration.update(self.step)
+            if self.schedule.checks_contact(self.step):  # at the last step it changes nothing
+                self.world.heed_contacts()
+
+    def advance(self, until: int) -> None:
+        """Advance to step `until`, no farther than the next check; `actuate` comes before."""
+        self._loop.advance(self.step, until)
+        self.step = until
+
+    def record_last(self) -> None:
+        """Record the present state as the last row; the bodies may end half a step beyond it."""
+        self._loop.record_last(self.step)
+
+
+def _body_stepper(plan: Plan, world: World, number: int) -> Runner:
+    body, world_body = plan.bodies[number], world.bodies[number]
+    if body.path is not None:
+        moved = cast(WorldMovedBody, world_body)
+        return MovedRunner(plan, body, moved, body.path, _contact_force_on(world, number))
+    return (FreeRunner if body.base == "free" else Runner)(plan, body, world_body)
+
+
+def _kinematic_objects(plan: Plan, world: World) -> list[ThingMover]:
+    return [
+        ThingMover(
+            plan,
+            planned,
+            planned.path,
+            cast(WorldMovedThing, thing),
+            _contact_force_on(world, number),
+        )
+        for number, (planned, thing) in enumerate(
+            zip(plan.objects, world.objects, strict=True), start=len(plan.bodies)
+        )
+        if planned.path is not None
+    ]
+
+
+def _contact_force_on(world: World, number: int) -> Callable[[], Sequence[float]]:
+    """Return a function that gives the force on a body or object, and its sum of normal forces."""
+    return lambda: contacts.total(contacts.on(world.touches(), number))
+
+
+def _input_by_objects(
+    plan: Plan, world: World, kinematic: Sequence[ThingMover]
+) -> Callable[[], float]:
+    """Return a function that returns the most energy that objects may have put in so far."""
+    of_objects = ThingsEnergy(plan, world.objects)
+    return lambda: of_objects.given() + sum(one.given() for one in kinematic)
