@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from somo_cli import files, terminal
+from somo_cli.cli import run_report
 from somo_cli.cli.application import (
     EXIT_CODES,
     OutsideOption,
@@ -25,9 +26,8 @@ from somo_cli.problems import SimulationDiverged
 
 if TYPE_CHECKING:
     from somo_cli.analysis.error_estimate import ErrorEstimate
-    from somo_cli.document.parse import Document
+    from somo_cli.api.runs import PreparedRun
     from somo_cli.loading import Auto
-    from somo_cli.scene.model import Scene
     from somo_cli.simulation.plan.model import Plan
     from somo_cli.simulation.recording.csv_writer import RowSpool
     from somo_cli.simulation.run import RunSummary
@@ -117,14 +117,13 @@ def run(
     targets = target, target_of_events(planned, target, events)
     if targets[1] is not None:
         refuse_overwriting(document, targets[1], "--events")
-    loading.refuse_overlaps(document, planned)
+    from somo_cli.api import runs
     from somo_cli.simulation import plan_report
-    from somo_cli.simulation.plan.model import make_plan
 
-    plan = make_plan(planned, keeps_everything)
+    prepared = runs.prepare(document, planned, warnings, keeps_everything)
     if explains:
-        terminal.print_lines(map(str, plan_report.explain(plan)))
-    _simulate(plan, planned, document, steps, targets, sets or [], with_error, quiet)
+        terminal.print_lines(map(str, plan_report.explain(prepared.plan)))
+    _simulate(prepared, steps, targets, sets or [], with_error, quiet)
 
 
 def _step(text: str | None) -> "float | Auto | None":
@@ -143,84 +142,52 @@ def _step(text: str | None) -> "float | Auto | None":
 
 
 def _simulate(
-    plan: "Plan",
-    scene: "Scene",
-    document: "Document",
+    prepared: "PreparedRun",
     steps: int,
     targets: Targets,
     sets: Sequence[str],
     with_error: bool,
     quiet: bool,
 ) -> None:
-    from somo_cli.scene import columns
-    from somo_cli.simulation.metadata import metadata
-    from somo_cli.simulation.monitoring import penetration
     from somo_cli.simulation.recording.csv_writer import RowSpool
 
-    output, of_events = targets
-    names = columns.header(plan.recorded)
+    output, _ = targets
+    names = prepared.names
     with files.temporary_file() if with_error else nullcontext() as kept:
         spool = None if kept is None else RowSpool(kept, len(names))
-        summary, events = _recorded(plan, steps, targets, names, spool)
-        about = metadata(
-            plan,
-            summary,
-            document.texts,
-            sets,
-            names,
-            scene.is_time_step_automatic,
-            scene.expected_tip_error,
-        )
-        about["scene"] = files.relative_path(document.source, output)
+        summary, events = _recorded(prepared, steps, targets, spool)
+        about = prepared.metadata(summary, sets)
+        about["scene"] = files.relative_path(prepared.document.source, output)
         if events is not None:
             about["events"] = events
-        error_estimate, failure = None, None
+        estimate, failure = None, None
         if spool is not None:
             try:
-                error_estimate = _estimated(plan, spool, summary.steps)
-                about["error"] = _plain(error_estimate, names[1:])
+                estimate = _estimated(prepared.plan, spool, summary.steps)
+                about["error"] = run_report.plain_estimate(estimate, names[1:])
             except SimulationDiverged as error:
                 about["error"], failure = None, error
     if output != "-" and not files.is_direct(output):
         files.write_atomically(beside(output, "meta.json"), json.dumps(about, indent=2) + "\n")
     if not quiet:
-        if summary.stopped is not None:
-            time_of_end = f"{summary.steps * plan.time_step:.9g} s"
-            number, reason = summary.stopped.condition, summary.stopped.reason
-            terminal.print_message(f"stopped at {time_of_end} by stop[{number}]: {reason}")
-        target = "standard output" if output == "-" else output
-        chosen = f", time step {plan.time_step:g} s" if scene.is_time_step_automatic else ""
-        terminal.print_message(
-            f"{target}: {summary.rows} rows of {len(names)} columns; "
-            f"{summary.steps * plan.time_step:g} s in {summary.wall_time:.3g} s{chosen}, "
-            f"{about['steps_per_second'] or 0:.0f} steps per second"
-        )
-        if of_events is not None:
-            place = "standard output" if of_events == "-" else of_events
-            terminal.print_message(f"{place}: {events} events")
-    if summary.deepest is not None and summary.deepest.is_deep:
-        terminal.print_message(
-            f"somo: warning: {penetration.penetration_warning(summary.deepest, plan.time_step)}"
-        )
-    if error_estimate is not None:
-        terminal.print_lines(_table(error_estimate, names[1:]))
+        terminal.print_lines(run_report.summary_lines(prepared, summary, targets, events))
+    warning = run_report.penetration_warning(prepared, summary)
+    if warning is not None:
+        terminal.print_message(warning)
+    if estimate is not None:
+        terminal.print_lines(run_report.estimate_table(estimate, names[1:]))
     if failure is not None:
         terminal.print_message("somo: there is no estimate of the error: at half the step")
         raise failure
 
 
 def _recorded(
-    plan: "Plan",
-    steps: int,
-    targets: Targets,
-    names: Sequence[str],
-    spool: "RowSpool | None",
+    prepared: "PreparedRun", steps: int, targets: Targets, spool: "RowSpool | None"
 ) -> "tuple[RunSummary, int | None]":
-    """Simulate into the files; return what happened and how many events there were, if asked."""
-    from somo_cli.simulation.engine.bullet.world import BulletWorld
+    """Simulate into the files; return a summary and, if events are recorded, their number."""
+    from somo_cli.api import runs
     from somo_cli.simulation.monitoring.contact_events import ContactEventWriter
     from somo_cli.simulation.recording.csv_writer import CsvWriter
-    from somo_cli.simulation.run import run as simulate
 
     output, of_events = targets
     is_live = output == "-"
@@ -229,15 +196,16 @@ def _recorded(
         with (
             files.open_partial(output) as stream,
             nullcontext() if of_events is None else files.open_partial(of_events) as event_stream,
-            BulletWorld(plan) as world,
+            runs.Runner(prepared.plan) as runner,
             terminal.progress(steps, "simulating") as advance,
         ):
-            recorder = CsvWriter(stream, names, is_live=is_live)
-            events = None if event_stream is None else ContactEventWriter(event_stream, plan)
-            write = recorder.write if spool is None else spool.write_through(recorder.write)
-            tell = None if events is None else events.write
-            clock = time.perf_counter
-            summary = simulate(plan, world, write, steps, clock, advance, tell, is_live)
+            writer = CsvWriter(stream, prepared.names, is_live=is_live)
+            events = (
+                None if event_stream is None else ContactEventWriter(event_stream, prepared.plan)
+            )
+            write = writer.write if spool is None else spool.write_through(writer.write)
+            on_event = None if events is None else events.write
+            summary = runner.run(steps, write, advance, on_event, is_live)
             return summary, None if events is None else events.events
     except (SimulationDiverged, KeyboardInterrupt):
         for target in targets:
@@ -252,27 +220,3 @@ def _estimated(plan: "Plan", spool: "RowSpool", steps: int) -> "ErrorEstimate":
 
     with terminal.progress(2 * steps, "at half the step") as advance:
         return estimate(plan, spool.reader(), steps, BulletWorld, time.perf_counter, advance)
-
-
-def _plain(error_estimate: "ErrorEstimate", names: Sequence[str]) -> dict[str, object]:
-    return {
-        "method": "the same scene at half the step",
-        "order": error_estimate.order,
-        "run_time_s": error_estimate.run_time,
-        "columns": {
-            name: {"final": error.final, "max": error.maximum, "rms": error.rms}
-            for name, error in zip(names, error_estimate.errors, strict=True)
-        },
-    }
-
-
-def _table(error_estimate: "ErrorEstimate", names: Sequence[str]) -> list[str]:
-    width = max(map(len, names), default=0)
-    return [
-        f"estimated error, by the same scene at half the step ({error_estimate.run_time:.3g} s more):",
-        f"  {'':{width}}  {'final':>8}  {'max':>8}  {'rms':>8}",
-        *(
-            f"  {name:{width}}  {error.final:8.1e}  {error.maximum:8.1e}  {error.rms:8.1e}"
-            for name, error in zip(names, error_estimate.errors, strict=True)
-        ),
-    ]

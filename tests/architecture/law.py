@@ -35,8 +35,11 @@ KNOWS: dict[str, set[str]] = {
     "calibration": _RUN | {"document", "analysis"},
     "picture": _RUN | {"simulation.engine.bullet", "analysis"},
     "loading": _RUN | {"document", "scene.checks", "simulation.engine.bullet", "analysis", "files"},
+    "api": _RUN
+    | {"document", "scene.checks", "simulation.engine.bullet", "analysis", "files", "loading"},
     "cli": _RUN
     | {
+        "api",
         "document",
         "scene.checks",
         "simulation.engine.bullet",
@@ -48,7 +51,7 @@ KNOWS: dict[str, set[str]] = {
         "loading",
     },
     "__main__": {"cli"},
-    "": set(),  # the package itself: a docstring and a version
+    "": {"api", "document", "problems"},  # the public API, imported when it is used
 }
 """Every room from the ground up, and the rooms that it may import beside itself."""
 
@@ -58,6 +61,7 @@ HOMES: dict[str, tuple[str, ...]] = {
     "jsonschema": ("document.validate",),
     "matplotlib": ("picture.",),
     "numpy": (
+        "api.",
         "arrays",
         "scene.mesh",
         "scene.compound",
@@ -67,6 +71,7 @@ HOMES: dict[str, tuple[str, ...]] = {
         "picture.",
         "manipulator.urdf_readback",
     ),
+    "pandas": ("api.result",),
     "pybullet": ("simulation.engine.bullet.client",),
     "referencing": ("document.validate",),
     "rich": ("terminal",),
@@ -83,6 +88,7 @@ HEAVY = {
     "imageio_ffmpeg",
     "matplotlib",
     "numpy",
+    "pandas",
     "pybullet",
     "rich",
     "scipy",

@@ -14,6 +14,10 @@ from somo_cli.scene import model as scene_model
 from somo_cli.scene.contact_surface import GROUND_NAME
 from somo_cli.scene.model import Scene
 
+AMBIGUOUS_GROUND = (
+    "the scene calls something ground, as the ground is called in contacts: rename it"
+)
+
 
 def recording_problems(document: Document) -> Iterator[Problem]:
     """Yield the faults of the recording of a scene that has no others."""
@@ -27,6 +31,25 @@ def recording_problems(document: Document) -> Iterator[Problem]:
         if hint is not None:
             place = document.span(("record", "only", index))
             yield Problem(place, f"no column matches '{pattern}'", hint)
+
+
+def select_by_patterns(scene: Scene, patterns: Sequence[str]) -> Scene:
+    """Return the scene recording, of all columns that there are, those that match a pattern.
+
+    Raises ValueError for a pattern that matches none, and where a name would be ambiguous.
+    """
+    if is_ground_name_ambiguous(scene):
+        raise ValueError(AMBIGUOUS_GROUND)
+    whole = dataclasses.replace(
+        scene,
+        columns=scene_model.ALL_QUANTITIES,
+        object_quantities=scene_model.ALL_OBJECT_QUANTITIES,
+    )
+    for pattern in patterns:
+        hint = unmatched_pattern_hint(whole, pattern)
+        if hint is not None:
+            raise ValueError(f"no column matches {pattern!r}; {hint}")
+    return dataclasses.replace(whole, only=tuple(patterns))
 
 
 def unmatched_pattern_hint(found: Scene, pattern: str) -> str | None:

@@ -43,6 +43,7 @@ class BulletWorld:
         self._plan = plan
         self._bullet: Any = None
         self._client = -1
+        self._start = -1  # the engine's number of the state after loading
         self._stdout: int | None = None
         self.bodies: list[BulletBody] = []
         self.objects: list[BulletThing] = []
@@ -142,6 +143,18 @@ class BulletWorld:
         order = [body.index for body in self.bodies]
         order += [thing.index for thing in self.objects]
         return collision_filter.depths(self._bullet, self._client, order + self._grounds)
+
+    def save_start(self) -> None:
+        """Keep the present state, right after loading, for `restore_start`."""
+        self._start = self._bullet.saveState(self._client)
+
+    def restore_start(self) -> None:
+        """Go back to the state that was kept.
+
+        Seen in 3.2.7: what depends on contacts of the past is not part of it, so this is for
+        worlds in which nothing can touch.
+        """
+        self._bullet.restoreState(self._start, physicsClientId=self._client)
 
     @staticmethod
     def _refuse() -> None:

@@ -1,0 +1,82 @@
+"""Load, check and build definitions and scenes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from os import PathLike, fspath
+from typing import TypeAlias
+
+from somo_cli import loading
+from somo_cli.document.parse import Document
+from somo_cli.manipulator.compile import Compiled, compile_definition
+from somo_cli.manipulator.dimensions import Scale
+from somo_cli.problems import InvalidFile, Problem, has_errors, in_reading_order
+
+Source: TypeAlias = "Document | str | PathLike[str]"
+"""A document that was loaded, or the path of a file to load."""
+
+
+def load(
+    path: str | PathLike[str], sets: Sequence[str] = (), allow_outside: bool = False
+) -> Document:
+    """Load a definition, an assembly, a scene or a trajectory, with the files that it names.
+
+    `sets` overrides values as `--set` does, such as "integrator=euler". Files lie in the folder of
+    the one that names them, or below, unless `allow_outside`.
+
+    Raises:
+        InvalidFile: With every error of all files, each at its line and column.
+        OSError: A file cannot be read.
+    """
+    document = loading.load(fspath(path), sets, allow_outside)
+    problems = loading.check(document)
+    if has_errors(problems):
+        raise InvalidFile(problems, document.texts)
+    return document
+
+
+def document_of(source: Source) -> Document:
+    """Return a document as it is, and the one that a path names; raises as `load` does."""
+    return source if isinstance(source, Document) else load(source)
+
+
+def check(source: Source, allow_outside: bool = False) -> tuple[Problem, ...]:
+    """Return every error and warning of a file, in reading order; none raises InvalidFile.
+
+    Where the engine is installed, parts of a scene that overlap at the start are among them. Raises
+    OSError for a file that cannot be read.
+    """
+    try:
+        document = (
+            source
+            if isinstance(source, Document)
+            else loading.load(fspath(source), (), allow_outside)
+        )
+    except InvalidFile as error:
+        return error.problems
+    problems = loading.check(document)
+    if not has_errors(problems):
+        problems = (*problems, *loading.overlaps(document))
+    return in_reading_order(problems, document.texts)
+
+
+def compiled(source: Source) -> Compiled:
+    """Return what a definition or an assembly compiles to; raises InvalidFile and OSError."""
+    document = source if isinstance(source, Document) else loading.load(fspath(source))
+    loading.refuse_scene(document)
+    return compile_definition(document)
+
+
+def build(source: Source, scale: float | None = None, tip_frame: str | None = None) -> str:
+    """Return the URDF of a definition or an assembly.
+
+    Lengths are in the unit of the world scale of the file, or times `scale` if it is given. With
+    `tip_frame` a massless link of that name is added at each tip.
+
+    Raises:
+        InvalidFile: With every error, each at its line and column.
+        OSError: A file cannot be read.
+    """
+    found = compiled(source)
+    own = found.scale or Scale()
+    return found.urdf(own if scale is None else Scale(scale, own.mass), tip_frame)

@@ -1,0 +1,141 @@
+"""Runs from start to end: a document to a plan, and a plan to rows; `somo run` is built on it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+
+from somo_cli import loading
+from somo_cli.api.documents import Source, document_of
+from somo_cli.api.result import Result
+from somo_cli.arrays import Array
+from somo_cli.document.parse import Document
+from somo_cli.loading import Auto
+from somo_cli.problems import Problem
+from somo_cli.scene import columns
+from somo_cli.scene.checks.recording import select_by_patterns
+from somo_cli.scene.model import Scene
+from somo_cli.simulation.engine.bullet.world import BulletWorld
+from somo_cli.simulation.metadata import metadata
+from somo_cli.simulation.monitoring.contact_events import ContactEvent
+from somo_cli.simulation.plan.model import Plan, make_plan
+from somo_cli.simulation.run import RunSummary, run
+
+
+@dataclass(frozen=True, slots=True)
+class PreparedRun:
+    """A scene that can be run: what it says, what was decided for it, and its columns."""
+
+    document: Document
+    scene: Scene
+    plan: Plan
+    names: tuple[str, ...]
+    warnings: tuple[Problem, ...]
+
+    def metadata(
+        self, summary: RunSummary, overrides: Sequence[str] | None = None
+    ) -> dict[str, Any]:
+        """Return versions, hashes of the inputs, settings and run time, as plain values.
+
+        `overrides` are the assignments that the document was loaded with, if they are at hand.
+        """
+        texts = self.document.texts
+        known = [text for source, text in texts.items() if source.startswith("--set")]
+        return metadata(
+            self.plan,
+            summary,
+            texts,
+            known if overrides is None else overrides,
+            self.names,
+            self.scene.is_time_step_automatic,
+            self.scene.expected_tip_error,
+        )
+
+
+def prepare(
+    document: Document, scene: Scene, warnings: Sequence[Problem], keeps_everything: bool = False
+) -> PreparedRun:
+    """Return what it takes to run the scene of a document.
+
+    With `keeps_everything` the engine loads and solves what no result needs. Raises InvalidFile if
+    parts of the scene overlap at the start.
+    """
+    loading.refuse_overlaps(document, scene)
+    plan = make_plan(scene, keeps_everything)
+    names = tuple(columns.header(plan.recorded))
+    return PreparedRun(document, scene, plan, names, tuple(warnings))
+
+
+class Runner:
+    """A plan in an engine of its own, opened by `with`, that can be run once.
+
+    Raises EngineMissing and EngineRefused when it is opened.
+    """
+
+    def __init__(self, plan: Plan) -> None:
+        self._plan = plan
+        self._world = BulletWorld(plan)
+
+    def __enter__(self) -> Runner:
+        self._world.__enter__()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._world.close()
+
+    def run(
+        self,
+        steps: int,
+        write: Callable[[Array], None],
+        advance: Callable[[int], None] = lambda done: None,
+        on_event: Callable[[ContactEvent], None] | None = None,
+        is_live: bool = False,
+    ) -> RunSummary:
+        """Run the plan and pass its rows on, as `simulation.run.run` does."""
+        clock = time.perf_counter
+        return run(self._plan, self._world, write, steps, clock, advance, on_event, is_live)
+
+
+def simulate(
+    source: Source,
+    steps: int,
+    *,
+    every: int | None = None,
+    time_step: float | Auto | None = None,
+    record_only: Sequence[str] = (),
+) -> Result:
+    """Simulate a scene, or a definition by itself, and return what it records.
+
+    The values are those that `somo run` writes, to the last bit. `every` (steps between two rows)
+    and `time_step` ([s], or "auto") take the place of what the scene says; `record_only` has
+    patterns of column names, such as "finger.tip.*".
+
+    Raises:
+        InvalidFile: The scene has errors, each at its line and column.
+        ValueError: A pattern matches no column, or `steps` is negative.
+        SimulationDiverged: The numbers of the run have lost their meaning.
+        EngineMissing, EngineRefused: There is no engine, or it does not take a body.
+        OSError: A file cannot be read.
+    """
+    if steps < 0:
+        raise ValueError(f"steps is {steps}, and must not be negative")
+    document = document_of(source)
+    scene, warnings = loading.scene_of(document, every, time_step)
+    if record_only:
+        scene = select_by_patterns(scene, record_only)
+    prepared = prepare(document, scene, warnings)
+    blocks: list[Array] = [np.empty((0, len(prepared.names)))]
+    # rows are views of a table that is made anew for each batch, so they can be kept
+    with Runner(prepared.plan) as runner:
+        summary = runner.run(steps, blocks.append)
+    return Result(prepared.names, np.concatenate(blocks), prepared.metadata(summary))

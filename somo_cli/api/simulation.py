@@ -1,0 +1,238 @@
+"""A simulation that is stepped by its user: feedback control, learning, notebooks."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from types import TracebackType
+
+import numpy as np
+
+from somo_cli import loading
+from somo_cli.api.documents import Source, document_of
+from somo_cli.arrays import Array
+from somo_cli.loading import Auto
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator.kinematics import Pose
+from somo_cli.scene.model import Scene
+from somo_cli.simulation.dynamics.forward_kinematics import ChainPoses, frames_of, point_of
+from somo_cli.simulation.engine import contacts
+from somo_cli.simulation.engine.bullet.world import BulletWorld
+from somo_cli.simulation.integrator.body_stepper import Runner
+from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.units import units_of
+from somo_cli.simulation.session import Session
+
+
+class Simulation:
+    """A scene in an engine of its own, which goes on when it is told to.
+
+    All values are SI and of the present instant; positions and forces are in the world frame. What
+    the scene records and its stop conditions are left aside, divergence is monitored as in a run.
+    Close it, or use it in a `with` statement. Several simulations do not disturb each other.
+
+    `source` is a scene or a definition, loaded or by its path, and `time_step` ([s], or "auto")
+    takes the place of what the scene says.
+
+    Raises:
+        InvalidFile: The scene has errors, or parts of it overlap at the start.
+        EngineMissing, EngineRefused: There is no engine, or it does not take a body.
+        OSError: A file cannot be read.
+    """
+
+    def __init__(self, source: Source, *, time_step: float | Auto | None = None) -> None:
+        document = document_of(source)
+        scene, _ = loading.scene_of(document, None, time_step)
+        loading.refuse_overlaps(document, scene)
+        self._plan = make_plan(_unrecorded(scene))
+        self._units = units_of(self._plan)
+        self._numbers = {name: number for number, name in enumerate(self._plan.recorded.names[:-1])}
+        self._poses = [ChainPoses(body.chain) for body in self._plan.bodies]
+        self._world: BulletWorld | None = None
+        self._open()
+
+    def __enter__(self) -> Simulation:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Give the engine back; the simulation cannot be used any more."""
+        world, self._world = self._world, None
+        if world is not None:
+            world.close()
+
+    @property
+    def time(self) -> float:
+        """The time of the present instant [s]."""
+        return self._session.time
+
+    @property
+    def time_step(self) -> float:
+        """The time step [s]."""
+        return self._plan.time_step
+
+    @property
+    def manipulators(self) -> tuple[str, ...]:
+        """The names of the manipulators, in the order of the scene."""
+        return tuple(body.name for body in self._plan.bodies)
+
+    @property
+    def objects(self) -> tuple[str, ...]:
+        """The names of the objects, in the order of the scene."""
+        return self._plan.recorded.objects
+
+    def step(self, steps: int = 1) -> None:
+        """Advance by time steps; the trajectory does not depend on how many are taken at once.
+
+        Raises SimulationDiverged, found at most eight steps late.
+        """
+        if steps < 0:
+            raise ValueError(f"steps is {steps}, and must not be negative")
+        session = self._require_open()
+        last = session.step + steps
+        with np.errstate(over="ignore", invalid="ignore"):  # divergence is monitored
+            while session.step < last:
+                session.actuate()
+                session.monitor()
+                session.advance(session.schedule.pause_after(session.step, last))
+
+    def reset(self) -> None:
+        """Go back to the start, without loading the scene again; torques that were set are gone.
+
+        The trajectory from there is the same to the last bit.
+        """
+        self._require_open()
+        assert self._world is not None
+        if self._plan.can_touch:
+            # contacts of the past are in the engine's caches, which no state that it saves holds
+            self._world.close()
+            self._open()
+        else:
+            self._world.restore_start()
+            self._session = Session(self._plan, self._world)
+
+    def angles(self, manipulator: str) -> Array:
+        """Return the joint angles of a manipulator, base to tip [rad], shape (n,)."""
+        return self._stepper(manipulator).law.angles.copy()
+
+    def rates(self, manipulator: str) -> Array:
+        """Return the joint rates of a manipulator, base to tip [rad/s], shape (n,).
+
+        With the implicit integrator, which has rates half a step earlier, they are carried on to
+        the instant with the acceleration of the last step.
+        """
+        stepper = self._stepper(manipulator)
+        if self._session.step == 0:
+            return np.array(stepper.body.start.rates)
+        return stepper.rates_of_instant()
+
+    def tip_position(self, manipulator: str, limb: int = 0) -> Array:
+        """Return where the tip of a manipulator is [m], shape (3,); of an assembly, of one limb."""
+        stepper = self._stepper(manipulator)
+        number, chain = self._numbers[manipulator], stepper.body.chain
+        frames = self._poses[number].frames(
+            stepper.law.angles[:, np.newaxis], frames_of([stepper.world_body.base_pose()])
+        )
+        ends = [(one.last_link, one.tip) for one in chain.limbs] or [(-1, chain.tip)]
+        link, tip = ends[limb]
+        return np.asarray(point_of(frames, link, tip)[:, 0] / self._units.length)
+
+    def base_pose(self, manipulator: str) -> tuple[Array, Array]:
+        """Return position [m], shape (3,), and quaternion (x, y, z, w) of a manipulator's base."""
+        return self._si_pose(self._stepper(manipulator).world_body.base_pose())
+
+    def object_pose(self, name: str) -> tuple[Array, Array]:
+        """Return position [m], shape (3,), and quaternion (x, y, z, w) of an object's frame."""
+        return self._si_pose(self._require_open().world.objects[self._object(name)].pose())
+
+    def object_velocity(self, name: str) -> tuple[Array, Array]:
+        """Return the velocity of an object's centre [m/s] and its spin [rad/s], shapes (3,).
+
+        With the implicit integrator they are those of half a step before the instant.
+        """
+        linear, spin = self._require_open().world.objects[self._object(name)].velocity()
+        return np.array(linear) / self._units.length, np.array(spin)
+
+    def contact_force(self, name: str) -> Array:
+        """Return the force on a manipulator or object from contact in the last step [N], (3,)."""
+        session = self._require_open()
+        if name not in self._numbers:
+            raise KeyError(self._unknown(name, self._numbers))
+        if session.step == 0:
+            return np.zeros(3)
+        touching = contacts.on(session.world.touches(), self._numbers[name])
+        return np.array(contacts.total(touching)[:3]) / self._units.force
+
+    def set_torque(self, manipulator: str, *, actuator: int, axis: int, torque: float) -> None:
+        """Have a torque [N·m] act on each joint of an actuator about an axis, from now on.
+
+        It takes the place of what the scene says of that axis, until it is set again or `reset`.
+        Raises KeyError for an unknown manipulator, ValueError for an axis that no joint has, or a
+        torque that is no number.
+        """
+        stepper = self._stepper(manipulator)
+        if not math.isfinite(torque):
+            raise ValueError(f"the torque is {torque}, and must be a finite number")
+        channels = [(joint.actuator, joint.channel) for joint in stepper.body.chain.joints]
+        joints = tuple(index for index, one in enumerate(channels) if one == (actuator, axis))
+        if not joints:
+            known = ", ".join(f"({first}, {second})" for first, second in sorted(set(channels)))
+            raise ValueError(
+                f"'{manipulator}' has no joints of actuator {actuator} about axis {axis}; "
+                f"it has (actuator, axis) {known}"
+            )
+        stepper.give_torque(joints, torque * self._units.torque)
+
+    def _open(self) -> None:
+        world = BulletWorld(self._plan)
+        world.__enter__()
+        self._world = world
+        if not self._plan.can_touch:
+            world.save_start()
+        self._session = Session(self._plan, world)
+
+    def _require_open(self) -> Session:
+        if self._world is None:
+            raise RuntimeError("the simulation is closed")
+        return self._session
+
+    def _stepper(self, manipulator: str) -> Runner:
+        session = self._require_open()
+        bodies = [body.name for body in self._plan.bodies]
+        if manipulator not in bodies:
+            raise KeyError(self._unknown(manipulator, dict.fromkeys(bodies, 0)))
+        return session.steppers[bodies.index(manipulator)]
+
+    def _object(self, name: str) -> int:
+        objects = self._plan.recorded.objects
+        if name not in objects:
+            raise KeyError(self._unknown(name, dict.fromkeys(objects, 0)))
+        return objects.index(name)
+
+    def _si_pose(self, pose: Pose) -> tuple[Array, Array]:
+        position = np.array(pose.position) / self._units.length
+        return position, np.array(geometry.quaternion_from_rotation(pose.rotation))
+
+    @staticmethod
+    def _unknown(name: str, known: Mapping[str, int]) -> str:
+        return f"nothing is called '{name}'; there is {', '.join(known) or 'nothing'}"
+
+
+def _unrecorded(scene: Scene) -> Scene:
+    """Return the scene recording nothing: a simulation is asked for its state instead."""
+    return dataclasses.replace(
+        scene,
+        columns=(),
+        object_quantities=(),
+        only=(),
+        stop_conditions=(),
+        has_contact_events=False,
+    )

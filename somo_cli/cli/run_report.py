@@ -1,0 +1,72 @@
+"""What `somo run` reports when it has ended: a summary, warnings, the estimated error."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from somo_cli.cli.run_outputs import Targets
+
+if TYPE_CHECKING:
+    from somo_cli.analysis.error_estimate import ErrorEstimate
+    from somo_cli.api.runs import PreparedRun
+    from somo_cli.simulation.run import RunSummary
+
+
+def summary_lines(
+    prepared: "PreparedRun", summary: "RunSummary", targets: Targets, events: int | None
+) -> list[str]:
+    """Return what ended the run, what was written where, and how long it took."""
+    output, of_events = targets
+    plan, simulated = prepared.plan, summary.steps * prepared.plan.time_step
+    lines = []
+    if summary.stopped is not None:
+        number, reason = summary.stopped.condition, summary.stopped.reason
+        lines.append(f"stopped at {simulated:.9g} s by stop[{number}]: {reason}")
+    chosen = f", time step {plan.time_step:g} s" if prepared.scene.is_time_step_automatic else ""
+    speed = summary.steps / summary.wall_time if summary.wall_time > 0 else 0
+    lines.append(
+        f"{_place(output)}: {summary.rows} rows of {len(prepared.names)} columns; "
+        f"{simulated:g} s in {summary.wall_time:.3g} s{chosen}, {speed:.0f} steps per second"
+    )
+    if of_events is not None:
+        lines.append(f"{_place(of_events)}: {events} events")
+    return lines
+
+
+def penetration_warning(prepared: "PreparedRun", summary: "RunSummary") -> str | None:
+    """Return a warning if bodies were so deep in each other that contact was not followed."""
+    from somo_cli.simulation.monitoring import penetration
+
+    if summary.deepest is None or not summary.deepest.is_deep:
+        return None
+    warning = penetration.penetration_warning(summary.deepest, prepared.plan.time_step)
+    return f"somo: warning: {warning}"
+
+
+def plain_estimate(estimate: "ErrorEstimate", names: Sequence[str]) -> dict[str, object]:
+    """Return the estimated error of every column as plain values, for the metadata."""
+    return {
+        "method": "the same scene at half the step",
+        "order": estimate.order,
+        "run_time_s": estimate.run_time,
+        "columns": {
+            name: {"final": error.final, "max": error.maximum, "rms": error.rms}
+            for name, error in zip(names, estimate.errors, strict=True)
+        },
+    }
+
+
+def estimate_table(estimate: "ErrorEstimate", names: Sequence[str]) -> list[str]:
+    """Return the estimated error of every column as lines of text."""
+    width = max(map(len, names), default=0)
+    return [
+        f"estimated error, by the same scene at half the step ({estimate.run_time:.3g} s more):",
+        f"  {'':{width}}  {'final':>8}  {'max':>8}  {'rms':>8}",
+        *(
+            f"  {name:{width}}  {error.final:8.1e}  {error.maximum:8.1e}  {error.rms:8.1e}"
+            for name, error in zip(names, estimate.errors, strict=True)
+        ),
+    ]
+
+
+def _place(output: str) -> str:
+    return "standard output" if output == "-" else output
