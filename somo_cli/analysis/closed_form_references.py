@@ -17,7 +17,7 @@ from somo_cli.scene import columns
 from somo_cli.scene.model import ExternalLoad, Manipulator, Scene
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.plan.model import make_plan
-from somo_cli.simulation.plan.units import units_of
+from somo_cli.simulation.plan.units import unit_factors_of
 
 if TYPE_CHECKING:
     from somo_cli.analysis import closed_forms
@@ -75,7 +75,7 @@ def with_closed_form(scene: Scene, reference: Reference) -> Reference:
     chain = ChainDynamics(body.chain)
     rows = reference.rows.copy()
     angles = _joint_motion(scene, rows[:, 0])
-    length = units_of(plan).length
+    length = unit_factors_of(plan).length
     tips = np.array([chain.at([angle], body.start.pose).tip for angle in angles]) / length
     closed_form_values = {"joint_angles": angles[:, np.newaxis], "tip_position": tips}
     for group in columns.body_column_groups(plan.recorded):

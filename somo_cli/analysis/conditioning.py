@@ -15,13 +15,13 @@ from somo_cli.manipulator.definition import MAXIMUM_JOINTS
 from somo_cli.manipulator.solids import AnySolid, Box, Cylinder, Sphere
 from somo_cli.problems import Pointer, Problem
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
-from somo_cli.simulation.dynamics.modal import FROZEN, inertia_felt
+from somo_cli.simulation.dynamics.modal import MIN_JOINT_INERTIA, articulated_inertia
 from somo_cli.simulation.plan.model import Body, Plan
 
 MASS_RATIO = 1e3  # between neighbours: beyond, rounding takes three digits of the lighter one
 SMALLEST_CONTACT_SIZE = 0.1  # engine units; Bullet's collision margins are 0.04
 LARGEST_INERTIA = 1.0  # engine units, in turned axes; see BulletDynamics.mass_matrix
-MANY_JOINTS = 100
+MAX_UNNAMED_JOINTS = 100
 
 
 def findings(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterator[Problem]:
@@ -33,7 +33,7 @@ def findings(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterato
     if plan.can_touch:
         yield from _size_findings(plan, body, document, definition)
     count = len(body.chain.joints)
-    if count > MANY_JOINTS:
+    if count > MAX_UNNAMED_JOINTS:
         yield Problem(
             document.span((*definition, "actuator_definitions"), key=True),
             f"{count} of the {MAXIMUM_JOINTS} joints that a body may have",
@@ -80,7 +80,7 @@ def _inertia_findings(plan: Plan, body: Body, document: Document, at: Pointer) -
     chain = ChainDynamics(body.chain)
     inertia = chain.at(body.start.angles).joint_inertia(body.base == "free")
     try:
-        effective_inertia = inertia_felt(inertia)
+        effective_inertia = articulated_inertia(inertia)
     except np.linalg.LinAlgError:
         yield Problem(
             document.span(at),
@@ -90,12 +90,12 @@ def _inertia_findings(plan: Plan, body: Body, document: Document, at: Pointer) -
         )
         return
     least = int(np.argmin(effective_inertia))
-    if effective_inertia[least] < FROZEN:
-        needed = _one_digit_above(FROZEN / effective_inertia[least]) * 10
+    if effective_inertia[least] < MIN_JOINT_INERTIA:
+        needed = _one_digit_above(MIN_JOINT_INERTIA / effective_inertia[least]) * 10
         yield Problem(
             document.span(at),
             f"joint '{body.chain.joints[least].name}' moves {effective_inertia[least]:.2g} engine units of "
-            f"inertia; the engine takes less than {FROZEN:g} for none, and holds the joint",
+            f"inertia; the engine takes less than {MIN_JOINT_INERTIA:g} for none, and holds the joint",
             f"world_scale: {{length: {plan.scale.length:g}, mass: {plan.scale.mass * needed:g}}} "
             "changes no result",
             code="frozen-joint",

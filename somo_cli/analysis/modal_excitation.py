@@ -14,7 +14,7 @@ from somo_cli.manipulator.geometry import Vector
 from somo_cli.scene.prescribed_motion import PosePath
 from somo_cli.scene.signals import Signal
 from somo_cli.simulation.dynamics.chain_dynamics import ChainPose
-from somo_cli.simulation.dynamics.external_loads import generalised
+from somo_cli.simulation.dynamics.external_loads import generalised_load_force
 from somo_cli.simulation.plan.model import Body
 
 SAMPLES_PER_HORIZON = 4000  # of a horizon
@@ -116,7 +116,7 @@ def _force_inputs(body: Body, pose: ChainPose) -> Iterator[tuple[Array, Signal]]
         force[6 + np.array(drive.joints, dtype=np.int64)] = 1.0
         yield force, drive.signal
     for load in body.loads:
-        yield generalised(load, pose), load.signal
+        yield generalised_load_force(load, pose), load.signal
     if body.path is not None:
         yield from _base_motion_inputs(body.path, pose)
 

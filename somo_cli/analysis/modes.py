@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from somo_cli.arrays import Array
 from somo_cli.simulation.dynamics.chain_dynamics import ChainPose
-from somo_cli.simulation.dynamics.modal import largest_explicit_step, normaliser
+from somo_cli.simulation.dynamics.modal import largest_explicit_step, mass_normalisation
 
 Complex: TypeAlias = npt.NDArray[np.complex128]
 
@@ -106,7 +106,7 @@ def modes_at(pose: ChainPose, has_free_base: bool, geometric: Array) -> Modes:
     mass = pose.joint_inertia(has_free_base)
     springs, damping = np.diag(pose.chain.stiffness), pose.chain.damping
     try:
-        normalised, shaped = normaliser(mass)
+        normalised, shaped = mass_normalisation(mass)
     except np.linalg.LinAlgError as error:
         raise SingularInertia("masses that differ too much leave no inertia to a joint") from error
     stiff, damper = normalised(springs + geometric), normalised(damping)

@@ -14,7 +14,7 @@ from somo_cli.arrays import Array
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.scene.model import Integrator
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics, ChainPose
-from somo_cli.simulation.dynamics.external_loads import stiffness_of
+from somo_cli.simulation.dynamics.external_loads import load_stiffness
 from somo_cli.simulation.plan.model import Body, Plan
 
 TARGET_TIP_ERROR = (
@@ -100,7 +100,7 @@ def _modes(plan: Plan, body: Body, pose: ChainPose) -> Modes:
         geometric += pose.gravity_stiffness(plan.gravity)
     for load in body.loads:
         factors = [piece[0] for piece in load.signal.pieces]
-        geometric += stiffness_of(load, pose, max(factors, key=abs))
+        geometric += load_stiffness(load, pose, max(factors, key=abs))
     return modes_at(pose, body.base == "free", geometric)
 
 

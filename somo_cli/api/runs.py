@@ -58,20 +58,20 @@ class PreparedRun:
 
 
 def prepare(
-    document: Document, scene: Scene, warnings: Sequence[Problem], keeps_everything: bool = False
+    document: Document, scene: Scene, warnings: Sequence[Problem], keeps_unused: bool = False
 ) -> PreparedRun:
     """Return what it takes to run the scene of a document.
 
-    With `keeps_everything` the engine loads and solves what no result needs. Raises InvalidFile if
+    With `keeps_unused` the engine loads and solves what no result needs. Raises InvalidFile if
     parts of the scene overlap at the start.
     """
     loading.refuse_overlaps(document, scene)
-    plan = make_plan(scene, keeps_everything)
+    plan = make_plan(scene, keeps_unused)
     names = tuple(columns.header(plan.recorded))
     return PreparedRun(document, scene, plan, names, tuple(warnings))
 
 
-class Runner:
+class OpenRun:
     """A plan in an engine of its own, opened by `with`, that can be run once.
 
     Raises EngineMissing and EngineRefused when it is opened.
@@ -81,7 +81,7 @@ class Runner:
         self._plan = plan
         self._world = BulletWorld(plan)
 
-    def __enter__(self) -> Runner:
+    def __enter__(self) -> OpenRun:
         self._world.__enter__()
         return self
 
@@ -136,6 +136,6 @@ def simulate(
     prepared = prepare(document, scene, warnings)
     blocks: list[Array] = [np.empty((0, len(prepared.names)))]
     # rows are views of a table that is made anew for each batch, so they can be kept
-    with Runner(prepared.plan) as runner:
-        summary = runner.run(steps, blocks.append)
+    with OpenRun(prepared.plan) as body_stepper:
+        summary = body_stepper.run(steps, blocks.append)
     return Result(prepared.names, np.concatenate(blocks), prepared.metadata(summary))

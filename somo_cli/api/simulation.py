@@ -16,12 +16,16 @@ from somo_cli.loading import Auto
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.scene.model import Scene
-from somo_cli.simulation.dynamics.forward_kinematics import ChainPoses, frames_of, point_of
+from somo_cli.simulation.dynamics.forward_kinematics import (
+    ForwardKinematics,
+    frames_from_poses,
+    point_positions,
+)
 from somo_cli.simulation.engine import contacts
 from somo_cli.simulation.engine.bullet.world import BulletWorld
-from somo_cli.simulation.integrator.body_stepper import Runner
+from somo_cli.simulation.integrator.body_stepper import BodyStepper
 from somo_cli.simulation.plan.model import make_plan
-from somo_cli.simulation.plan.units import units_of
+from somo_cli.simulation.plan.units import unit_factors_of
 from somo_cli.simulation.session import Session
 
 
@@ -46,9 +50,9 @@ class Simulation:
         scene, _ = loading.scene_of(document, None, time_step)
         loading.refuse_overlaps(document, scene)
         self._plan = make_plan(_unrecorded(scene))
-        self._units = units_of(self._plan)
+        self._units = unit_factors_of(self._plan)
         self._numbers = {name: number for number, name in enumerate(self._plan.recorded.names[:-1])}
-        self._poses = [ChainPoses(body.chain) for body in self._plan.bodies]
+        self._poses = [ForwardKinematics(body.chain) for body in self._plan.bodies]
         self._world: BulletWorld | None = None
         self._open()
 
@@ -139,11 +143,11 @@ class Simulation:
         stepper = self._stepper(manipulator)
         number, chain = self._numbers[manipulator], stepper.body.chain
         frames = self._poses[number].frames(
-            stepper.law.angles[:, np.newaxis], frames_of([stepper.world_body.base_pose()])
+            stepper.law.angles[:, np.newaxis], frames_from_poses([stepper.world_body.base_pose()])
         )
         ends = [(one.last_link, one.tip) for one in chain.limbs] or [(-1, chain.tip)]
         link, tip = ends[limb]
-        return np.asarray(point_of(frames, link, tip)[:, 0] / self._units.length)
+        return np.asarray(point_positions(frames, link, tip)[:, 0] / self._units.length)
 
     def base_pose(self, manipulator: str) -> tuple[Array, Array]:
         """Return position [m], shape (3,), and quaternion (x, y, z, w) of a manipulator's base."""
@@ -168,8 +172,8 @@ class Simulation:
             raise KeyError(self._unknown(name, self._numbers))
         if session.step == 0:
             return np.zeros(3)
-        touching = contacts.on(session.world.touches(), self._numbers[name])
-        return np.array(contacts.total(touching)[:3]) / self._units.force
+        touching = contacts.contacts_on(session.world.contact_points(), self._numbers[name])
+        return np.array(contacts.total_force(touching)[:3]) / self._units.force
 
     def set_torque(self, manipulator: str, *, actuator: int, axis: int, torque: float) -> None:
         """Have a torque [N·m] act on each joint of an actuator about an axis, from now on.
@@ -204,7 +208,7 @@ class Simulation:
             raise RuntimeError("the simulation is closed")
         return self._session
 
-    def _stepper(self, manipulator: str) -> Runner:
+    def _stepper(self, manipulator: str) -> BodyStepper:
         session = self._require_open()
         bodies = [body.name for body in self._plan.bodies]
         if manipulator not in bodies:

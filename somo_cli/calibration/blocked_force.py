@@ -60,7 +60,7 @@ def blocked_equilibrium(
         angles, torque = unknown[:-1], unknown[-1] * scale
         pose: ChainPose = body.at(angles)
         point = pose.point(link, local)
-        pressed = pose.force_on(link, point, -force * across, np.zeros(3))[6:]
+        pressed = pose.generalised_force(link, point, -force * across, np.zeros(3))[6:]
         rest = torque * drives - body.stiffness * angles + pressed
         apart = (point - held) @ across
         return np.append(rest / scale, apart / moment_arms.at)

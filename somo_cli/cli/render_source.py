@@ -59,7 +59,7 @@ def simulated(
     loading.refuse_overlaps(document, scene)
     between = max(steps, 1) if every is None else _steps_between(every / scene.time_step)
     plan = make_plan(dataclasses.replace(drawn(scene), every=between))
-    plan = dataclasses.replace(plan, ends_in_row=True)
+    plan = dataclasses.replace(plan, records_last_step=True)
     blocks: list[Array] = []
     with BulletWorld(plan) as world, terminal.progress(steps, "simulating") as advance:
         summary = run(plan, world, blocks.append, steps, time.perf_counter, advance)

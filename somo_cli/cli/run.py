@@ -89,7 +89,7 @@ def run(
             "--explain", help="Say before the run what it leaves out, why, and what that saves."
         ),
     ] = False,
-    keeps_everything: Annotated[
+    keeps_unused: Annotated[
         bool,
         typer.Option(
             "--keep-everything",
@@ -120,7 +120,7 @@ def run(
     from somo_cli.api import runs
     from somo_cli.simulation import plan_report
 
-    prepared = runs.prepare(document, planned, warnings, keeps_everything)
+    prepared = runs.prepare(document, planned, warnings, keeps_unused)
     if explains:
         terminal.print_lines(map(str, plan_report.explain(prepared.plan)))
     _simulate(prepared, steps, targets, sets or [], with_error, quiet)
@@ -196,7 +196,7 @@ def _recorded(
         with (
             files.open_partial(output) as stream,
             nullcontext() if of_events is None else files.open_partial(of_events) as event_stream,
-            runs.Runner(prepared.plan) as runner,
+            runs.OpenRun(prepared.plan) as body_stepper,
             terminal.progress(steps, "simulating") as advance,
         ):
             writer = CsvWriter(stream, prepared.names, is_live=is_live)
@@ -205,7 +205,7 @@ def _recorded(
             )
             write = writer.write if spool is None else spool.write_through(writer.write)
             on_event = None if events is None else events.write
-            summary = runner.run(steps, write, advance, on_event, is_live)
+            summary = body_stepper.run(steps, write, advance, on_event, is_live)
             return summary, None if events is None else events.events
     except (SimulationDiverged, KeyboardInterrupt):
         for target in targets:

@@ -18,7 +18,7 @@ from somo_cli.picture.camera import Camera
 from somo_cli.picture.drawn_parts import Part
 from somo_cli.picture.facets import Array
 from somo_cli.simulation.engine.bullet.c_stdio import captured_output
-from somo_cli.simulation.engine.bullet.client import engine
+from somo_cli.simulation.engine.bullet.client import import_pybullet
 
 AMBIENT, DIFFUSE, SPECULAR = 0.62, 0.42, 0.06
 """How much of its colour a surface shows in the shadow, how much more in full light, and gloss."""
@@ -51,7 +51,7 @@ class TinyRenderer:
     def __enter__(self) -> TinyRenderer:
         """Load every part."""
         with captured_output():
-            self._bullet = engine("the renderer is that of PyBullet, which is")
+            self._bullet = import_pybullet("the renderer is that of PyBullet, which is")
             self._client = self._bullet.connect(self._bullet.DIRECT)
             try:
                 for number, part in enumerate(self._parts):

@@ -15,11 +15,11 @@ from somo_cli.manipulator.round_solids import Capsule, RoundedBox
 from somo_cli.manipulator.solids import AnySolid, Box, Cylinder, Sphere
 from somo_cli.manipulator.urdf import number
 
-MOST_SHAPES = 16
+MAX_SHAPES = 16
 """Seen in PyBullet 3.2.7: createCollisionShapeArray drops what is more, without a word."""
 
-_ROUNDING = 1e-12  # of a product of inertia, by the largest moment
-_UNTURNED = (0.0, 0.0, 0.0, 1.0)
+_PRODUCT_TOLERANCE = 1e-12  # of a product of inertia, by the largest moment
+_NO_ROTATION = (0.0, 0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,10 +28,10 @@ class EngineShape:
 
     kind: Literal["box", "sphere", "cylinder", "capsule", "mesh"]
     position: Vector = geometry.ZERO
-    orientation_xyzw: tuple[float, float, float, float] = _UNTURNED
+    orientation_xyzw: tuple[float, float, float, float] = _NO_ROTATION
     radius: float = 1.0
     length: float = 1.0
-    half_edges: Vector = (1.0, 1.0, 1.0)
+    half_extents: Vector = (1.0, 1.0, 1.0)
     obj: str = ""
 
 
@@ -50,7 +50,7 @@ class Compound:
     shapes: tuple[EngineShape, ...]
 
 
-def is_plain(link: Link) -> bool:
+def is_exact_in_urdf(link: Link) -> bool:
     """Whether the link is one centred box, cylinder or sphere, which a URDF says exactly."""
     return (
         len(link.shapes) == 1
@@ -59,9 +59,9 @@ def is_plain(link: Link) -> bool:
     )
 
 
-def compound(link: Link) -> Compound:
+def compound_of(link: Link) -> Compound:
     """Return the link of an object as the engine takes it, in the units of the link."""
-    axes, moments = principal(link.inertial.inertia)
+    axes, moments = principal_axes(link.inertial.inertia)
     frame = Pose(link.inertial.centre, axes)
     radii = [one.solid.radius for one in link.shapes if isinstance(one.solid, RoundedBox)]
     return Compound(
@@ -70,19 +70,19 @@ def compound(link: Link) -> Compound:
         moments,
         # a rounded box is alone in its body, so the margin is for it only
         max(radii, default=0.0),
-        tuple(part for shape in link.shapes for part in _parts(shape, frame)),
+        tuple(part for shape in link.shapes for part in _engine_shapes(shape, frame)),
     )
 
 
-def count(solids: Sequence[AnySolid]) -> int:
+def shape_count(solids: Sequence[AnySolid]) -> int:
     """Return how many shapes of the engine these solids are."""
     return sum(3 if isinstance(solid, Capsule) else 1 for solid in solids)
 
 
-def principal(tensor: Tensor) -> tuple[Matrix, Vector]:
+def principal_axes(tensor: Tensor) -> tuple[Matrix, Vector]:
     """Return the principal axes of an inertia, as columns, and the moments about them."""
     xx, xy, xz, yy, yz, zz = tensor
-    if max(abs(xy), abs(xz), abs(yz)) <= _ROUNDING * max(xx, yy, zz):
+    if max(abs(xy), abs(xz), abs(yz)) <= _PRODUCT_TOLERANCE * max(xx, yy, zz):
         return geometry.IDENTITY, (xx, yy, zz)
     import numpy as np  # slow to load, and few bodies need it
 
@@ -93,7 +93,7 @@ def principal(tensor: Tensor) -> tuple[Matrix, Vector]:
     return (x, y, z), geometry.vector(moments.tolist())
 
 
-def _parts(shape: Shape, frame: Pose) -> list[EngineShape]:
+def _engine_shapes(shape: Shape, frame: Pose) -> list[EngineShape]:
     inverse = geometry.transposed(frame.rotation)
     position = geometry.rotate(inverse, geometry.subtract(shape.position, frame.position))
     rotation = geometry.multiply(inverse, geometry.rotation_from_rpy(shape.rpy))
@@ -101,7 +101,7 @@ def _parts(shape: Shape, frame: Pose) -> list[EngineShape]:
     solid = shape.solid
     if isinstance(solid, Box):
         x, y, z = solid.size
-        return [EngineShape("box", position, turn, half_edges=(x / 2, y / 2, z / 2))]
+        return [EngineShape("box", position, turn, half_extents=(x / 2, y / 2, z / 2))]
     if isinstance(solid, Sphere):
         return [EngineShape("sphere", position, turn, solid.radius)]
     if isinstance(solid, Cylinder):
@@ -118,18 +118,18 @@ def _parts(shape: Shape, frame: Pose) -> list[EngineShape]:
     if isinstance(solid, RoundedBox):
         # the engine's margin is the radius: a ball added to the core, which is the very shape
         corners = product(*((-half, half) for half in solid.core))
-        return [EngineShape("mesh", position, turn, obj=_obj(tuple(corners), _OF_BOX))]
-    return [EngineShape("mesh", position, turn, obj=_obj(solid.vertices, solid.faces))]
+        return [EngineShape("mesh", position, turn, obj=_obj_text(tuple(corners), _BOX_FACES))]
+    return [EngineShape("mesh", position, turn, obj=_obj_text(solid.vertices, solid.faces))]
 
 
-_OF_BOX = (
+_BOX_FACES = (
     *((0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5)),
     *((0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6)),
     *((0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)),
 )
 
 
-def _obj(vertices: Sequence[Sequence[float]], faces: Sequence[tuple[int, int, int]]) -> str:
+def _obj_text(vertices: Sequence[Sequence[float]], faces: Sequence[tuple[int, int, int]]) -> str:
     lines = ["v " + " ".join(map(number, vertex)) for vertex in vertices]
     lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]
     return "\n".join(lines) + "\n"

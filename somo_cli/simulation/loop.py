@@ -6,14 +6,14 @@ from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 from somo_cli.simulation.engine.interface import World
-from somo_cli.simulation.integrator.body_stepper import Runner
-from somo_cli.simulation.integrator.kinematic_object import ThingMover
-from somo_cli.simulation.integrator.refresh_policy import STEPS_BETWEEN_LOOKS
+from somo_cli.simulation.integrator.body_stepper import BodyStepper
+from somo_cli.simulation.integrator.kinematic_object import KinematicObjectStepper
+from somo_cli.simulation.integrator.refresh_policy import MONITORING_INTERVAL
 from somo_cli.simulation.monitoring.contact_events import ContactMonitor
 from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.recording.row_assembler import RowAssembler
 
-DrivenBody: TypeAlias = Runner | ThingMover
+DrivenBody: TypeAlias = BodyStepper | KinematicObjectStepper
 
 
 class SimulationLoop:
@@ -26,18 +26,18 @@ class SimulationLoop:
         self,
         plan: Plan,
         world: World,
-        runners: Sequence[Runner],
-        movers: Sequence[ThingMover],
+        body_steppers: Sequence[BodyStepper],
+        object_steppers: Sequence[KinematicObjectStepper],
         assembler: RowAssembler | None,
         contact_monitor: ContactMonitor | None,
     ) -> None:
         self._plan = plan
         self._world = world
-        self._runners = runners
-        self._driven: list[DrivenBody] = [*runners, *movers]
+        self._body_steppers = body_steppers
+        self._driven: list[DrivenBody] = [*body_steppers, *object_steppers]
         self._actuations = [one.actuate for one in self._driven]
-        self._pulls = [runner.pull for runner in runners]
-        self._counts = [runner.count_step for runner in runners]
+        self._reads = [body_stepper.read_state for body_stepper in body_steppers]
+        self._counts = [body_stepper.count_step_work for body_stepper in body_steppers]
         self._assembler = assembler
         self._contact_monitor = contact_monitor
 
@@ -55,23 +55,23 @@ class SimulationLoop:
             self._assembler,
             self._contact_monitor,
         )
-        pulls, counts, every = self._pulls, self._counts, self._plan.every
+        reads, counts, every = self._reads, self._counts, self._plan.every
         # the next step with a row, if rows are recorded
         row = until if assembler is None else first + -first % every
         is_steady = self._is_steady(first, until)
-        pushes = self._pushes(first)
+        applies = self._applies(first)
         for step in range(first, until):
             if not is_steady and step > first:
                 actuate(step)
             if step == row and assembler is not None:
                 assembler.take(step)
-            for push in pushes:
-                push()
+            for apply in applies:
+                apply()
             if step == first:
-                pushes = self._pushes(step + 1)
+                applies = self._applies(step + 1)
             step_world()
-            for pull in pulls:
-                pull()
+            for read in reads:
+                read()
             if step == row and assembler is not None:
                 assembler.complete()
                 row += every
@@ -79,9 +79,9 @@ class SimulationLoop:
                 for count in counts:
                     count()
             if contact_monitor is not None:
-                contact_monitor.update(step + 1, self._world.touches())
-        for runner in self._runners:
-            runner.count_work(is_steady)
+                contact_monitor.update(step + 1, self._world.contact_points())
+        for body_stepper in self._body_steppers:
+            body_stepper.count_work(is_steady)
 
     def record_last(self, step: int) -> None:
         """Take the row of the last step, and go beyond it if that needs velocities half a step on.
@@ -91,18 +91,18 @@ class SimulationLoop:
         assert self._assembler is not None, "rows are recorded"
         self._assembler.take(step)
         if self._assembler.needs_next_step:
-            for push in self._pushes(step):
-                push()
+            for apply in self._applies(step):
+                apply()
             self._world.step()
-            for pull in self._pulls:
-                pull()
+            for read in self._reads:
+                read()
         self._assembler.complete()
 
-    def _pushes(self, step: int) -> list[Callable[[], None]]:
+    def _applies(self, step: int) -> list[Callable[[], None]]:
         """Return what applies the torques of a step, chosen anew at every monitoring interval."""
-        if step % STEPS_BETWEEN_LOOKS == 0:
-            return [runner.push_first for runner in self._runners]
-        return [runner.push for runner in self._runners]
+        if step % MONITORING_INTERVAL == 0:
+            return [body_stepper.apply_at_check for body_stepper in self._body_steppers]
+        return [body_stepper.apply_torques for body_stepper in self._body_steppers]
 
     def _is_steady(self, first: int, until: int) -> bool:
         """Whether nothing that acts changes after step `first` and before step `until`."""

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from somo_cli.scene import columns
 from somo_cli.simulation import savings
 from somo_cli.simulation.integrator.refresh_policy import (
-    CALM_REFRESH,
-    STEPS_BETWEEN_LOOKS,
-    SWIFT_REFRESH,
+    FAST_REFRESH,
+    MONITORING_INTERVAL,
+    SLOW_REFRESH,
 )
 from somo_cli.simulation.monitoring.penetration import steps_between_samples
 from somo_cli.simulation.plan.model import Plan, needs_engine_limits
@@ -67,11 +67,11 @@ def _shape_decisions(plan: Plan) -> Iterator[Decision]:
             else "all of it out of reach of each other, wherever joints go"
         )
         why = f"{what_is}, self_collision off: nothing can touch"
-        if plan.keeps_everything:
+        if plan.keeps_unused:
             yield Decision(what, True, f"asked for, though {why}")
         else:
             yield Decision(what, False, why, f"{solids} to move in every step")
-    if plan.keeps_everything:
+    if plan.keeps_unused:
         yield Decision("visual shapes", True, "asked for")
     else:
         yield Decision("visual shapes", False, "nothing is rendered", solids)
@@ -85,7 +85,7 @@ def _contact_decisions(plan: Plan) -> Iterator[Decision]:
     if not plan.can_touch:
         yield Decision("looks at how deep bodies are in each other", False, "nothing can touch")
         return
-    between = steps_between_samples(plan.time_step, STEPS_BETWEEN_LOOKS)
+    between = steps_between_samples(plan.time_step, MONITORING_INTERVAL)
     sampled = f"the list of contact points in {between - 1} of {between} steps"
     what, seldom = "looks at how deep bodies are in each other", "at most 8 ms apart"
     yield Decision(what, True, seldom, sampled if between > 1 else None)
@@ -111,7 +111,7 @@ def _contact_decisions(plan: Plan) -> Iterator[Decision]:
 def _joint_decisions(plan: Plan) -> Iterator[Decision]:
     yield _motor_decision(plan)
     yield _limit_decision(plan)
-    angles = f"{SWIFT_REFRESH:g} rad, moving slowly {CALM_REFRESH:g} rad"
+    angles = f"{FAST_REFRESH:g} rad, moving slowly {SLOW_REFRESH:g} rad"
     why = f"renewed once joints have moved by {angles}, or less where it changes faster"
     sizes = sorted({len(body.chain.joints) for body in plan.bodies})
     of_sizes = ", ".join(f"{size} x {size}" for size in sizes)
@@ -134,7 +134,7 @@ def _motor_decision(plan: Plan) -> Decision:
         if rubbing
         else "no dry friction"
     )
-    if idle and any(body.has_idle_motors for body in plan.bodies):
+    if idle and any(body.has_zero_torque_motors for body in plan.bodies):
         more = f"{why}, asked for of {idle} more" if rubbing else f"asked for, though {why}"
         return Decision(what, True, more)
     # every joint has a motor by default, whose row asks the solver for all of its iterations
@@ -200,12 +200,12 @@ def _state_decisions(plan: Plan) -> Iterator[Decision]:
     why = (
         f"{_count(len(plan.stop_conditions), 'condition')} of stop" if ends else "no stop is given"
     )
-    saves = None if ends else f"a look every {STEPS_BETWEEN_LOOKS} steps"
+    saves = None if ends else f"a look every {MONITORING_INTERVAL} steps"
     yield Decision("looks at what ends the run", ends, why, saves)
 
 
 def _unless_asked(plan: Plan, what: str, why: str, saves: str | None) -> Decision:
-    if plan.keeps_everything:
+    if plan.keeps_unused:
         return Decision(what, True, f"asked for, though {why}")
     return Decision(what, False, why, saves)
 

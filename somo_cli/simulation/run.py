@@ -71,7 +71,7 @@ def run(
             if stopped is not None or session.step >= stop_monitor.steps:
                 break
             session.advance(session.schedule.pause_after(session.step, stop_monitor.steps))
-        if session.step % plan.every == 0 or plan.ends_in_row:
+        if session.step % plan.every == 0 or plan.records_last_step:
             session.record_last()
     except BaseException:
         with suppress(OSError):  # a full disk must not hide what ended the run

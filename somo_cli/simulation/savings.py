@@ -34,7 +34,7 @@ def untested_link_pairs(plan: Plan) -> int:
 def fixed_pairs(plan: Plan) -> int:
     """Return the pairs of parts neither of which could yield: held bases and objects, ground."""
     held = sum(body.base != "free" for body in plan.bodies)
-    held += sum(planned.thing.has_prescribed_pose for planned in plan.objects)
+    held += sum(planned.rigid_object.has_prescribed_pose for planned in plan.objects)
     return math.comb(held + (plan.ground is not None), 2)
 
 

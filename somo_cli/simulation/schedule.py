@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from somo_cli.simulation.integrator.refresh_policy import STEPS_BETWEEN_LOOKS
+from somo_cli.simulation.integrator.refresh_policy import MONITORING_INTERVAL
 from somo_cli.simulation.monitoring.penetration import steps_between_samples
 from somo_cli.simulation.plan.model import Plan
 
@@ -14,14 +14,14 @@ class MonitoringSchedule:
     """
 
     def __init__(self, plan: Plan) -> None:
-        self._contact_interval = STEPS_BETWEEN_LOOKS
+        self._contact_interval = MONITORING_INTERVAL
         if plan.can_touch:
-            self._contact_interval = steps_between_samples(plan.time_step, STEPS_BETWEEN_LOOKS)
+            self._contact_interval = steps_between_samples(plan.time_step, MONITORING_INTERVAL)
 
     @staticmethod
     def checks_motion(step: int) -> bool:
         """Whether divergence and stop conditions are checked at a step."""
-        return step % STEPS_BETWEEN_LOOKS == 0
+        return step % MONITORING_INTERVAL == 0
 
     def checks_contact(self, step: int) -> bool:
         """Whether the solver's iterations are chosen anew at a step, from the contacts there."""
@@ -30,7 +30,7 @@ class MonitoringSchedule:
     def pause_after(self, step: int, last: int) -> int:
         """Return the first step after `step` with a check, or `last` if that comes first."""
         return min(
-            _next_multiple(STEPS_BETWEEN_LOOKS, step),
+            _next_multiple(MONITORING_INTERVAL, step),
             _next_multiple(self._contact_interval, step),
             last,
         )

@@ -6,13 +6,13 @@ from collections.abc import Callable, Sequence
 from typing import cast
 
 from somo_cli.simulation.engine import contacts
-from somo_cli.simulation.engine.interface import World, WorldMovedBody, WorldMovedThing
-from somo_cli.simulation.integrator.body_stepper import Runner
-from somo_cli.simulation.integrator.energy_bound import ThingsEnergy
-from somo_cli.simulation.integrator.floating_base import FreeRunner
+from somo_cli.simulation.engine.interface import World, WorldKinematicObject, WorldPrescribedBody
+from somo_cli.simulation.integrator.body_stepper import BodyStepper
+from somo_cli.simulation.integrator.energy_bound import ObjectEnergyBound
+from somo_cli.simulation.integrator.floating_base import FloatingBaseStepper
 from somo_cli.simulation.integrator.half_step_start import begin
-from somo_cli.simulation.integrator.kinematic_object import ThingMover
-from somo_cli.simulation.integrator.prescribed_base import MovedRunner
+from somo_cli.simulation.integrator.kinematic_object import KinematicObjectStepper
+from somo_cli.simulation.integrator.prescribed_base import PrescribedBaseStepper
 from somo_cli.simulation.loop import SimulationLoop
 from somo_cli.simulation.monitoring.contact_events import ContactEvent, ContactMonitor
 from somo_cli.simulation.monitoring.divergence import DivergenceMonitor
@@ -83,7 +83,7 @@ class Session:
         if self._penetration is not None:
             self._penetration.update(self.step)
             if self.schedule.checks_contact(self.step):  # at the last step it changes nothing
-                self.world.heed_contacts()
+                self.world.adapt_solver_iterations()
 
     def advance(self, until: int) -> None:
         """Advance to step `until`, no farther than the next check; `actuate` comes before."""
@@ -95,21 +95,21 @@ class Session:
         self._loop.record_last(self.step)
 
 
-def _body_stepper(plan: Plan, world: World, number: int) -> Runner:
+def _body_stepper(plan: Plan, world: World, number: int) -> BodyStepper:
     body, world_body = plan.bodies[number], world.bodies[number]
     if body.path is not None:
-        moved = cast(WorldMovedBody, world_body)
-        return MovedRunner(plan, body, moved, body.path, _contact_force_on(world, number))
-    return (FreeRunner if body.base == "free" else Runner)(plan, body, world_body)
+        moved = cast(WorldPrescribedBody, world_body)
+        return PrescribedBaseStepper(plan, body, moved, body.path, _contact_force_on(world, number))
+    return (FloatingBaseStepper if body.base == "free" else BodyStepper)(plan, body, world_body)
 
 
-def _kinematic_objects(plan: Plan, world: World) -> list[ThingMover]:
+def _kinematic_objects(plan: Plan, world: World) -> list[KinematicObjectStepper]:
     return [
-        ThingMover(
+        KinematicObjectStepper(
             plan,
             planned,
             planned.path,
-            cast(WorldMovedThing, thing),
+            cast(WorldKinematicObject, thing),
             _contact_force_on(world, number),
         )
         for number, (planned, thing) in enumerate(
@@ -121,12 +121,12 @@ def _kinematic_objects(plan: Plan, world: World) -> list[ThingMover]:
 
 def _contact_force_on(world: World, number: int) -> Callable[[], Sequence[float]]:
     """Return a function that gives the force on a body or object, and its sum of normal forces."""
-    return lambda: contacts.total(contacts.on(world.touches(), number))
+    return lambda: contacts.total_force(contacts.contacts_on(world.contact_points(), number))
 
 
 def _input_by_objects(
-    plan: Plan, world: World, kinematic: Sequence[ThingMover]
+    plan: Plan, world: World, kinematic: Sequence[KinematicObjectStepper]
 ) -> Callable[[], float]:
     """Return a function that returns the most energy that objects may have put in so far."""
-    of_objects = ThingsEnergy(plan, world.objects)
-    return lambda: of_objects.given() + sum(one.given() for one in kinematic)
+    of_objects = ObjectEnergyBound(plan, world.objects)
+    return lambda: of_objects.energy_bound() + sum(one.energy_bound() for one in kinematic)

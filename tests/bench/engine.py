@@ -72,7 +72,7 @@ def with_limits(plan: Plan) -> Plan:
 
 def with_motors(plan: Plan) -> Plan:
     """Return the plan with motors that do nothing, as a run that keeps everything has them."""
-    bodies = (dataclasses.replace(body, has_idle_motors=True) for body in plan.bodies)
+    bodies = (dataclasses.replace(body, has_zero_torque_motors=True) for body in plan.bodies)
     return dataclasses.replace(plan, bodies=tuple(bodies))
 
 
@@ -124,7 +124,7 @@ def main() -> None:
     finger = plan_of(JOINTS)
     cases = {
         "pairs of links without shapes": swinging(
-            dataclasses.replace(finger, keeps_everything=True), told()
+            dataclasses.replace(finger, keeps_unused=True), told()
         ),
         "joint limits in the engine": swinging(with_limits(finger), told()),
         "reaction forces of joints": swinging(finger, feeling),

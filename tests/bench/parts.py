@@ -16,8 +16,8 @@ from unittest.mock import patch
 from somo_cli.simulation import run as stepping
 from somo_cli.simulation.engine.bullet.body import BulletBody
 from somo_cli.simulation.engine.bullet.world import BulletWorld
-from somo_cli.simulation.integrator.body_stepper import Runner
-from somo_cli.simulation.integrator.implicit_law import SpringLaw
+from somo_cli.simulation.integrator.body_stepper import BodyStepper
+from somo_cli.simulation.integrator.implicit_law import SpringDamperLaw
 from somo_cli.simulation.loop import SimulationLoop
 from somo_cli.simulation.monitoring.divergence import DivergenceMonitor
 from somo_cli.simulation.plan.model import Plan
@@ -29,15 +29,15 @@ ROUNDS = 5
 PARTS: dict[str, tuple[tuple[type | Any, str], ...]] = {
     "engine: inverse dynamics": ((BulletBody, "bias"),),
     "engine: inertia": ((BulletBody, "mass_matrix"),),
-    "law: corrected torques": ((SpringLaw, "correct"),),
-    "law: new inertia": ((SpringLaw, "refresh"), (Runner, "refresh")),
-    "looks: whether a correction may be held": ((Runner, "push_first"),),
-    "actuation": ((Runner, "actuate"), (SimulationLoop, "_is_steady")),
+    "law: corrected torques": ((SpringDamperLaw, "correct"),),
+    "law: new inertia": ((SpringDamperLaw, "refresh"), (BodyStepper, "refresh")),
+    "looks: whether a correction may be held": ((BodyStepper, "apply_at_check"),),
+    "actuation": ((BodyStepper, "actuate"), (SimulationLoop, "_is_steady")),
     "watch": (
-        (Runner, "measure"),
-        (Runner, "count_step"),
-        (Runner, "count_work"),
-        (DivergenceMonitor, "look"),
+        (BodyStepper, "measure"),
+        (BodyStepper, "count_step_work"),
+        (BodyStepper, "count_work"),
+        (DivergenceMonitor, "update"),
     ),
     "loop": ((SimulationLoop, "advance"),),
 }
@@ -71,7 +71,11 @@ class Account:
 @contextmanager
 def taken_apart(account: Account) -> Iterator[None]:
     """Let the parts of our loop tell their time."""
-    made_pull, made_held, entered = Runner._make_pull, Runner._make_push_held, BulletWorld.__enter__
+    made_pull, made_held, entered = (
+        BodyStepper._make_read_state,
+        BodyStepper._make_apply_reused,
+        BulletWorld.__enter__,
+    )
 
     def enter(world: BulletWorld) -> BulletWorld:
         entered(world)
@@ -86,10 +90,10 @@ def taken_apart(account: Account) -> Iterator[None]:
             for owner, function in places:
                 timed = account.of(name, getattr(owner, function))
                 stack.enter_context(patch.object(owner, function, _as_method(timed)))
-        pull: Any = lambda runner: account.of("state to array", made_pull(runner))  # noqa: E731
-        held: Any = lambda runner: account.of("law: held torques", made_held(runner))  # noqa: E731
-        stack.enter_context(patch.object(Runner, "_make_pull", pull))
-        stack.enter_context(patch.object(Runner, "_make_push_held", held))
+        pull: Any = lambda body_stepper: account.of("state to array", made_pull(body_stepper))  # noqa: E731
+        held: Any = lambda body_stepper: account.of("law: held torques", made_held(body_stepper))  # noqa: E731
+        stack.enter_context(patch.object(BodyStepper, "_make_read_state", pull))
+        stack.enter_context(patch.object(BodyStepper, "_make_apply_reused", held))
         stack.enter_context(patch.object(BulletWorld, "__enter__", enter))
         yield
 

@@ -26,9 +26,9 @@ import numpy as np
 from somo_cli.arrays import Array
 from somo_cli.simulation import run as stepping
 from somo_cli.simulation.engine.bullet.world import BulletWorld
-from somo_cli.simulation.integrator.body_stepper import Runner
+from somo_cli.simulation.integrator.body_stepper import BodyStepper
 from somo_cli.simulation.integrator.half_step_start import begin
-from somo_cli.simulation.integrator.implicit_law import SpringLaw
+from somo_cli.simulation.integrator.implicit_law import SpringDamperLaw
 from somo_cli.simulation.plan.model import Plan, make_plan
 from tests.bench import hand
 from tests.loading import scene_from_text
@@ -39,7 +39,7 @@ STEPS = 500
 CLOCK = time.perf_counter
 
 Step: TypeAlias = Callable[[], None]
-Product: TypeAlias = Callable[[Sequence[SpringLaw], Array], Callable[[], list[float]]]
+Product: TypeAlias = Callable[[Sequence[SpringDamperLaw], Array], Callable[[], list[float]]]
 
 
 def plan_of_fingers(count: int) -> Plan:
@@ -50,19 +50,23 @@ def plan_of_fingers(count: int) -> Plan:
 
 
 @contextmanager
-def begun(plan: Plan) -> Iterator[tuple[BulletWorld, list[Runner]]]:
+def begun(plan: Plan) -> Iterator[tuple[BulletWorld, list[BodyStepper]]]:
     """Enter a world with every finger at its start, a correction held that is nothing yet."""
     with BulletWorld(plan) as world:
-        runners = [Runner(plan, *pair) for pair in zip(plan.bodies, world.bodies, strict=True)]
-        begin(plan, world, runners)
-        for runner in runners:
-            runner.law.hold(np.zeros(JOINTS), np.zeros(JOINTS), 8)
-        yield world, runners
+        body_steppers = [
+            BodyStepper(plan, *pair) for pair in zip(plan.bodies, world.bodies, strict=True)
+        ]
+        begin(plan, world, body_steppers)
+        for body_stepper in body_steppers:
+            body_stepper.law.reuse(np.zeros(JOINTS), np.zeros(JOINTS), 8)
+        yield world, body_steppers
 
 
-def one_by_one(world: BulletWorld, runners: Sequence[Runner]) -> Step:
+def one_by_one(world: BulletWorld, body_steppers: Sequence[BodyStepper]) -> Step:
     """Return a step as the product does it."""
-    pushes, pulls = [[getattr(one, name) for one in runners] for name in ("_push_held", "pull")]
+    pushes, pulls = [
+        [getattr(one, name) for one in body_steppers] for name in ("_apply_reused", "read_state")
+    ]
     advance = world.step
 
     def step() -> None:
@@ -75,19 +79,21 @@ def one_by_one(world: BulletWorld, runners: Sequence[Runner]) -> Step:
     return step
 
 
-def stacked(product: Product) -> Callable[[BulletWorld, Sequence[Runner]], Step]:
+def stacked(product: Product) -> Callable[[BulletWorld, Sequence[BodyStepper]], Step]:
     """Return what makes a step that multiplies all fingers' states at once."""
 
-    def of_world(world: BulletWorld, runners: Sequence[Runner]) -> Step:
-        advance, size = world.step, 2 * len(runners) * JOINTS
+    def of_world(world: BulletWorld, body_steppers: Sequence[BodyStepper]) -> Step:
+        advance, size = world.step, 2 * len(body_steppers) * JOINTS
         angle, rate, pack = itemgetter(0), itemgetter(1), struct.Struct(f"{size}d").pack_into
-        laws = [runner.law for runner in runners]
+        laws = [body_stepper.law for body_stepper in body_steppers]
         # of all fingers: their angles, then their rates
         motion = np.concatenate([law.angles for law in laws] + [law.rates for law in laws])
         torques = product(laws, motion)
         parts = [slice(first, first + JOINTS) for first in range(0, size // 2, JOINTS)]
-        writes = [(one.world_body.apply, part) for one, part in zip(runners, parts, strict=True)]
-        reads = [one.world_body.joint_states for one in runners]
+        writes = [
+            (one.world_body.apply, part) for one, part in zip(body_steppers, parts, strict=True)
+        ]
+        reads = [one.world_body.joint_states for one in body_steppers]
         data, chain = motion.data, itertools.chain.from_iterable
 
         def step() -> None:
@@ -103,11 +109,11 @@ def stacked(product: Product) -> Callable[[BulletWorld, Sequence[Runner]], Step]
     return of_world
 
 
-def by_batch(laws: Sequence[SpringLaw], motion: Array) -> Callable[[], list[float]]:
+def by_batch(laws: Sequence[SpringDamperLaw], motion: Array) -> Callable[[], list[float]]:
     """Return what gives the torques by a batch of products, from the motion as it is then."""
     count, n = len(laws), JOINTS
     state = np.array([law.state for law in laws])
-    matrices = np.array([law._to_torques for law in laws])
+    matrices = np.array([law._torque_map for law in laws])
     found = np.zeros((count, 1, n))
     angles, rates, previous, applied = (
         state[:, first : first + n] for first in range(n + 2, 5 * n + 2, n)
@@ -127,7 +133,7 @@ def by_batch(laws: Sequence[SpringLaw], motion: Array) -> Callable[[], list[floa
     return torques
 
 
-def on_diagonal(laws: Sequence[SpringLaw], motion: Array) -> Callable[[], list[float]]:
+def on_diagonal(laws: Sequence[SpringDamperLaw], motion: Array) -> Callable[[], list[float]]:
     """Return what gives the torques by one product, a matrix with all along its diagonal."""
     n, size = JOINTS, len(laws) * JOINTS
     # growth and one, u, q, v, v_prev, τ_prev: each of all fingers
@@ -135,11 +141,11 @@ def on_diagonal(laws: Sequence[SpringLaw], motion: Array) -> Callable[[], list[f
     matrix = np.zeros((2 + 5 * size, size))
     for number, law in enumerate(laws):
         own = slice(number * n, (number + 1) * n)
-        matrix[:2, own], state[:2] = law._to_torques[:2], law.state[:2]
+        matrix[:2, own], state[:2] = law._torque_map[:2], law.state[:2]
         for block in range(5):
             rows = slice(2 + block * size + own.start, 2 + block * size + own.stop)
             of_law = slice(2 + block * n, 2 + (block + 1) * n)
-            matrix[rows, own], state[rows] = law._to_torques[of_law], law.state[of_law]
+            matrix[rows, own], state[rows] = law._torque_map[of_law], law.state[of_law]
     found, share = np.zeros(size), state[:1].data
     now, before = state[2 + size : 2 + 3 * size].data, state[2 + 3 * size : 2 + 4 * size].data
     applied, both, rates = state[2 + 4 * size :].data, motion.data, motion[size:].data
@@ -156,7 +162,7 @@ def on_diagonal(laws: Sequence[SpringLaw], motion: Array) -> Callable[[], list[f
     return torques
 
 
-WAYS: dict[str, Callable[[BulletWorld, Sequence[Runner]], Step]] = {
+WAYS: dict[str, Callable[[BulletWorld, Sequence[BodyStepper]], Step]] = {
     "one by one": one_by_one,
     "batch": stacked(by_batch),
     "diagonal": stacked(on_diagonal),
@@ -165,8 +171,8 @@ WAYS: dict[str, Callable[[BulletWorld, Sequence[Runner]], Step]] = {
 
 def microseconds(plan: Plan, way: str) -> float:
     """Time a step in which every finger's correction is held [us]; the engine's part included."""
-    with begun(plan) as (world, runners):
-        step = WAYS[way](world, runners)
+    with begun(plan) as (world, body_steppers):
+        step = WAYS[way](world, body_steppers)
         started = CLOCK()
         for _ in range(STEPS):
             step()
@@ -175,8 +181,8 @@ def microseconds(plan: Plan, way: str) -> float:
 
 def way_of(plan: Plan, way: str) -> np.ndarray:
     """Return where the joints are after some held steps, of all fingers [rad]."""
-    with begun(plan) as (world, runners):
-        step = WAYS[way](world, runners)
+    with begun(plan) as (world, body_steppers):
+        step = WAYS[way](world, body_steppers)
         for _ in range(STEPS):
             step()
         return np.array([state[0] for body in world.bodies for state in body.joint_states()])

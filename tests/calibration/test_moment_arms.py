@@ -43,7 +43,7 @@ def compliance(definition: Definition, index: int, known: MomentArms) -> float:
         force, moment = np.zeros(3), np.array((0.0, 0.0, 1.0))
     else:
         force, moment = np.cross(known.direction, (0.0, 0.0, 1.0)), np.zeros(3)
-    torques = pose.force_on(link, point, force, moment)[6:]
+    torques = pose.generalised_force(link, point, force, moment)[6:]
     return float(torques @ (torques / body.stiffness))
 
 

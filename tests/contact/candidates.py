@@ -16,27 +16,27 @@ import numpy as np
 from somo_cli.arrays import Array
 from somo_cli.scene.model import Integrator
 from somo_cli.simulation.integrator import body_stepper
-from somo_cli.simulation.integrator.body_stepper import Runner
-from somo_cli.simulation.integrator.implicit_law import SpringLaw
-from somo_cli.simulation.plan.joint_springs import Springs
+from somo_cli.simulation.integrator.body_stepper import BodyStepper
+from somo_cli.simulation.integrator.implicit_law import SpringDamperLaw
+from somo_cli.simulation.plan.joint_springs import JointSprings
 
 MEAN_WEIGHT = 0.3  # of the newest in a running mean
 BLOW = 0.02  # rad/s: what a change of the force must do to a joint in a step to count as a blow
 CAP = 0.01  # rad: a change of the force is cut to what turns a joint's spring by this much
 
 
-class FilteredLaw(SpringLaw):
+class FilteredLaw(SpringDamperLaw):
     """The product's law but for a filter on the force that it measures."""
 
     is_contact_alone = False
 
-    def __init__(self, springs: Springs, time_step: float, integrator: Integrator) -> None:
+    def __init__(self, springs: JointSprings, time_step: float, integrator: Integrator) -> None:
         super().__init__(springs, time_step, integrator)
         self.history: list[Array] = []  # what was measured, newest first
 
-    def measured(self, bias: Array) -> Array:
+    def measured_force(self, bias: Array) -> Array:
         """Return f, filtered."""
-        force = super().measured(bias)
+        force = super().measured_force(bias)
         smooth = -bias if self.is_contact_alone else np.zeros_like(force)
         return smooth + self.passed(force - smooth)
 
@@ -118,17 +118,17 @@ class Candidate:
     """A law by name."""
 
     name: str
-    law: type[SpringLaw] = SpringLaw
+    law: type[SpringDamperLaw] = SpringDamperLaw
     integrator: Integrator = "implicit"
     is_held: bool = True  # whether calm bodies may be followed with a held correction
 
     @contextmanager
     def installed(self) -> Iterator[None]:
         """Let runs follow this law."""
-        held: Callable[..., int] = Runner._steps_to_hold if self.is_held else lambda *_: 1
+        held: Callable[..., int] = BodyStepper._reuse_steps if self.is_held else lambda *_: 1
         with (
-            patch.object(body_stepper, "SpringLaw", self.law),
-            patch.object(Runner, "_steps_to_hold", held),
+            patch.object(body_stepper, "SpringDamperLaw", self.law),
+            patch.object(BodyStepper, "_reuse_steps", held),
         ):
             yield
 

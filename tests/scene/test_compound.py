@@ -110,27 +110,29 @@ def link_of(**data: Any) -> Link:
 
 
 def test_what_needs_no_compound() -> None:
-    assert compound.is_plain(link_of(shape_type="box", dimensions=[1, 2, 3], edge_radius=0))
-    assert not compound.is_plain(link_of(shape_type="box", dimensions=[1, 2, 3], edge_radius=0.1))
-    assert not compound.is_plain(link_of(shape_type="capsule", dimensions=[1, 2]))
+    assert compound.is_exact_in_urdf(link_of(shape_type="box", dimensions=[1, 2, 3], edge_radius=0))
+    assert not compound.is_exact_in_urdf(
+        link_of(shape_type="box", dimensions=[1, 2, 3], edge_radius=0.1)
+    )
+    assert not compound.is_exact_in_urdf(link_of(shape_type="capsule", dimensions=[1, 2]))
 
 
 def test_principal_axes_are_those_of_the_body() -> None:
     rotation = geometry.rotation_from_rpy((0.3, -0.5, 0.8))
     tensor = geometry.rotated_tensor((1.0, 0.0, 0.0, 2.0, 0.0, 2.5), rotation)
-    axes, moments = compound.principal(tensor)
+    axes, moments = compound.principal_axes(tensor)
     assert moments == pytest.approx((1, 2, 2.5))
     assert np.linalg.det(axes) == pytest.approx(1)
     six = (moments[0], 0.0, 0.0, moments[1], 0.0, moments[2])
     assert geometry.rotated_tensor(six, axes) == pytest.approx(tensor)
-    assert compound.principal((3.0, 0.0, 0.0, 2.0, 0.0, 1.0)) == (geometry.IDENTITY, (3, 2, 1))
+    assert compound.principal_axes((3.0, 0.0, 0.0, 2.0, 0.0, 1.0)) == (geometry.IDENTITY, (3, 2, 1))
 
 
 def test_a_body_is_placed_by_its_centre_of_mass_and_its_axes() -> None:
     turn = geometry.rotation_from_rpy((0.3, -0.5, 0.8))
     inertia = geometry.rotated_tensor((1.0, 0.0, 0.0, 2.0, 0.0, 2.5), turn)
     shapes = (object_shapes.placed_shape(Sphere(0.1), (1, 2, 3)),)
-    whole = compound.compound(Link("object", Inertial(2.0, (0.5, 0, 0), inertia), shapes))
+    whole = compound.compound_of(Link("object", Inertial(2.0, (0.5, 0, 0), inertia), shapes))
     (ball,) = whole.shapes
     assert whole.frame.point(ball.position) == pytest.approx((1, 2, 3))
     assert whole.moments == pytest.approx((1, 2, 2.5))
@@ -138,5 +140,5 @@ def test_a_body_is_placed_by_its_centre_of_mass_and_its_axes() -> None:
 
 def test_shapes_of_the_engine_are_counted() -> None:
     solid = [Sphere(1.0), Capsule(1.0, 1.0), RoundedBox((1.0, 1.0, 1.0), 0.1)]
-    assert compound.count(solid) == 5
+    assert compound.shape_count(solid) == 5
     assert solids.height(solid[1]) == 3

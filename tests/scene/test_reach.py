@@ -94,15 +94,15 @@ def test_fingers_out_of_reach_move_as_each_would_alone() -> None:
         {"definition": "finger.yaml", "name": "b", "position": [1, 0, 0], "initial_angles": -0.2},
     ]
 
-    def angles(*some: Data, keeps_everything: bool = False) -> list[list[float]]:
+    def angles(*some: Data, keeps_unused: bool = False) -> list[list[float]]:
         scene = scene_from_text(json.dumps({"manipulators": some, "ground": {"height": -1}}))
-        plan = make_plan(scene, keeps_everything)
+        plan = make_plan(scene, keeps_unused)
         kept = [one.is_kept for one in plan_report.explain(plan) if one.what == "collision shapes"]
-        assert kept == [keeps_everything]
+        assert kept == [keeps_unused]
         columns = 3 + len(plan.bodies[0].chain.joints)
         return [row[1 : 1 + columns * len(some)] for row in rows_of(plan, 80)]
 
     both = angles(*bodies)
     alone = [angles(one) for one in bodies]
     assert both == [[*a, *b] for a, b in zip(*alone, strict=True)]
-    assert angles(*bodies, keeps_everything=True) == both
+    assert angles(*bodies, keeps_unused=True) == both

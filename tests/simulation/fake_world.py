@@ -10,8 +10,8 @@ import numpy as np
 
 from somo_cli.manipulator.geometry import ZERO, Vector
 from somo_cli.manipulator.kinematics import Pose
-from somo_cli.simulation.engine.contacts import Place, Touch
-from somo_cli.simulation.engine.interface import WorldThing
+from somo_cli.simulation.engine.contacts import ContactPoint, LinkIndex
+from somo_cli.simulation.engine.interface import WorldObject
 from somo_cli.simulation.plan.model import Body, Plan, make_plan
 from tests.loading import scene_from_text
 from tests.manipulator.bodies import actuator, hinge, manipulator
@@ -79,16 +79,16 @@ class FakeBody:
     ) -> np.ndarray:
         return np.zeros(len(angles))
 
-    def felt_by_joints(self, forces: np.ndarray) -> np.ndarray:
+    def equivalent_joint_torques(self, forces: np.ndarray) -> np.ndarray:
         return forces
 
-    def in_base_axes(self, forces: np.ndarray) -> np.ndarray:
+    def to_base_axes(self, forces: np.ndarray) -> np.ndarray:
         raise AssertionError("a base that cannot move has no axes of interest")
 
-    def push_base(self, wrench: np.ndarray, centre: Pose | None = None) -> None:
+    def apply_base_wrench(self, wrench: np.ndarray, centre: Pose | None = None) -> None:
         raise AssertionError("a base that cannot move is not pushed")
 
-    def centre_pose(self) -> Pose:
+    def base_inertial_pose(self) -> Pose:
         raise AssertionError("a base that cannot move is where it was")
 
     def base_pose(self) -> Pose:
@@ -111,20 +111,20 @@ class FakeWorld:
 
     def __init__(self, plan: Plan, load: float = 0.0) -> None:
         self.bodies = [FakeBody(body, plan.time_step, load) for body in plan.bodies]
-        self.objects: list[WorldThing] = []
-        self.depths: list[tuple[Place, Place, float]] = []
+        self.objects: list[WorldObject] = []
+        self.depths: list[tuple[LinkIndex, LinkIndex, float]] = []
         self.at_step: dict[int, Callable[[], None]] = {}
         self.steps = 0
         self.rates: list[np.ndarray] = []
         self.step: Callable[[], object] = self._step
 
-    def touches(self) -> list[Touch]:
+    def contact_points(self) -> list[ContactPoint]:
         return []
 
-    def penetrations(self) -> Sequence[tuple[Place, Place, float]]:
+    def penetrations(self) -> Sequence[tuple[LinkIndex, LinkIndex, float]]:
         return self.depths
 
-    def heed_contacts(self) -> None:
+    def adapt_solver_iterations(self) -> None:
         """Have no solver."""
 
     def _step(self) -> None:

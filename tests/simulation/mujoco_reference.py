@@ -21,7 +21,7 @@ FLOATING = (
 )
 
 
-def _led_by_six() -> str:
+def _six_joints() -> str:
     """Return six joints in a row that can lead a base anywhere, and links between them."""
     names = ("world", "x", "y", "z", "yaw", "pitch", "base")
     kinds = ("prismatic",) * 3 + ("revolute",) * 3
@@ -42,7 +42,7 @@ def _led_by_six() -> str:
     return text
 
 
-LED = _led_by_six()
+SIX_JOINTS = _six_joints()
 
 
 def model_of(
@@ -50,23 +50,23 @@ def model_of(
     gravity: Sequence[float],
     time_step: float,
     is_free: bool = False,
-    is_led: bool = False,
+    has_prescribed_base: bool = False,
 ) -> mujoco.MjModel:
     """Read our URDF into MuJoCo, which has no springs in URDF: they are set afterwards.
 
-    A free base adds 7 numbers to the front of qpos and 6 to that of qvel, a led one 6 to both:
+    A free base adds 7 numbers to the front of qpos and 6 to that of qvel, a prescribed one 6 to both:
     x, y, z, yaw, pitch, roll.
     """
     text = render(chain).replace(
         f'<robot name="{chain.name}">',
         f'<robot name="{chain.name}"><mujoco><compiler fusestatic="true" '
-        f'discardvisual="true" balanceinertia="false"/></mujoco>{FLOATING * is_free}{LED * is_led}',
+        f'discardvisual="true" balanceinertia="false"/></mujoco>{FLOATING * is_free}{SIX_JOINTS * has_prescribed_base}',
     )
     model = mujoco.MjModel.from_xml_string(text)
     names = [
         mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, index) for index in range(model.njnt)
     ]
-    assert names[6 if is_led else is_free :] == [joint.name for joint in chain.joints]
+    assert names[6 if has_prescribed_base else is_free :] == [joint.name for joint in chain.joints]
     model.opt.gravity[:] = gravity
     model.opt.timestep = time_step
     model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
@@ -141,10 +141,10 @@ def trajectory_under_loads(
     return np.array(rows)
 
 
-def led_trajectory(
+def prescribed_trajectory(
     model: mujoco.MjModel, motion: PrescribedMotion, times: Sequence[float]
 ) -> np.ndarray:
-    """Return joint angles at the times, shape (len(times), n), of a base at the origin that is led.
+    """Return joint angles at the times, shape (len(times), n), of a base at the origin that is prescribed.
 
     The model is one of `model_of` with six joints before those of the chain, whose motion is given;
     the others start at rest. M q'' = forces - M_led a, by Runge and Kutta's method.
@@ -157,12 +157,12 @@ def led_trajectory(
 
     def rate_of(time: float, angles_and_rates: np.ndarray) -> np.ndarray:
         angles, rates = angles_and_rates[:n], angles_and_rates[n:]
-        led = np.array([_derivatives(one, time) for one in signals])
-        state.qpos[:] = [*led[:, 0], *angles]
-        state.qvel[:] = [*led[:, 1], *rates]
+        prescribed = np.array([_derivatives(one, time) for one in signals])
+        state.qpos[:] = [*prescribed[:, 0], *angles]
+        state.qvel[:] = [*prescribed[:, 1], *rates]
         mujoco.mj_forward(model, state)
         mujoco.mj_fullM(model, state, mass)
-        forces = (state.qfrc_passive - state.qfrc_bias - mass[:, :6] @ led[:, 2])[6:]
+        forces = (state.qfrc_passive - state.qfrc_bias - mass[:, :6] @ prescribed[:, 2])[6:]
         return np.concatenate([rates, np.linalg.solve(mass[6:, 6:], forces)])
 
     h, now, done = model.opt.timestep, np.zeros(2 * n), 0

@@ -16,7 +16,7 @@ from somo_cli.scene import columns
 from somo_cli.scene.model import Scene
 from somo_cli.simulation import run
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
-from somo_cli.simulation.dynamics.external_loads import generalised, stiffness_of
+from somo_cli.simulation.dynamics.external_loads import generalised_load_force, load_stiffness
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.integrator import energy_bound, refresh_policy
 from somo_cli.simulation.plan.model import make_plan
@@ -92,8 +92,8 @@ def test_each_limb_of_a_held_body_moves_as_it_does_alone(
 ) -> None:
     # a body's inertia is renewed once all its joints together have moved so far, which is sooner
     # with two limbs: without that nothing but rounding is left
-    monkeypatch.setattr(refresh_policy, "SWIFT_REFRESH", 0.0)
-    monkeypatch.setattr(refresh_policy, "CALM_PHASE", 0.0)
+    monkeypatch.setattr(refresh_policy, "FAST_REFRESH", 0.0)
+    monkeypatch.setattr(refresh_policy, "SLOW_PHASE", 0.0)
     assert apart_from_alone(integrator, step) < 1e-14
 
 
@@ -180,7 +180,7 @@ def test_inertia_and_weight_are_those_of_the_engine(base: str) -> None:
         body = world.bodies[0]
         mass = body.mass_matrix(angles.tolist())
         bias = body.bias(angles.tolist(), [0.0] * chain.count, (0.0, 0.0, 0.0))
-        weight = body.felt_by_joints(bias)
+        weight = body.equivalent_joint_torques(bias)
     own = pose.joint_inertia(has_free_base=base == "free")
     assert np.abs(mass - own).max() < 1e-9 * np.abs(own).max()
     if base == "free":  # gravity moves it as a whole
@@ -208,11 +208,11 @@ def test_stiffness_of_weight_and_loads_is_minus_their_gradient() -> None:
         return chain.at(at).gravity_force(plan.gravity)[6:]
 
     def load(at: np.ndarray) -> np.ndarray:
-        return generalised(body.loads[0], chain.at(at))[6:]
+        return generalised_load_force(body.loads[0], chain.at(at))[6:]
 
     for torques, own in (
         (weight, pose.gravity_stiffness(plan.gravity)),
-        (load, stiffness_of(body.loads[0], pose, 1.0)),
+        (load, load_stiffness(body.loads[0], pose, 1.0)),
     ):
         expected = differences(torques, angles)
         assert np.abs(own - expected).max() < 1e-7 * np.abs(expected).max()
@@ -259,7 +259,7 @@ def test_the_watch_follows_every_limb_from_the_body() -> None:
         text = f"assembly_name: pair\nbody_definition: {BODY}\nlimbs: [{kept}]\n"
         body = make_plan(scene_from_text(text)).bodies[0]
         root = body.chain.links[0].inertial
-        return energy_bound._fall(body) - 2 * root.mass * geometry.norm(root.centre)
+        return energy_bound._fall_moment(body) - 2 * root.mass * geometry.norm(root.centre)
 
     left, right = beyond_the_root(("left",)), beyond_the_root(("right",))
     assert left > 0 < right

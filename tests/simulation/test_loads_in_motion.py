@@ -189,7 +189,7 @@ def test_the_work_of_a_late_load_is_its_force_over_its_way(
 ) -> None:
     """A force on the base of a falling finger pulls back for 10 ms, and 0.4 s later for 40 ms."""
     given: list[float] = []
-    monkeypatch.setattr(BodyEnergy, "give", lambda energy, work: given.append(work))
+    monkeypatch.setattr(BodyEnergy, "add_work", lambda energy, work: given.append(work))
     pull = {"link": "base", "force": [0, 0, 0.05], "interpolation": "step"}
     pull["waypoints"] = [[0, 0], [0.1, 1], [0.11, 0], [0.504, 1], [0.544, 0]]
     one = {"definition": "finger.yaml", "base": "free", "loads": [pull]}

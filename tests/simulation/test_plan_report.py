@@ -122,9 +122,9 @@ def test_motor_rows_are_kept_where_asked_for() -> None:
 def test_limits_are_kept_where_needed_or_asked_for() -> None:
     what = "joint limits in the engine"
 
-    def told(keeps_everything: bool, **more: object) -> str:
+    def told(keeps_unused: bool, **more: object) -> str:
         scene = scene_from_text(json.dumps(ALONE | more))
-        plan = make_plan(scene, keeps_everything)
+        plan = make_plan(scene, keeps_unused)
         return next(one.why for one in explain(plan) if one.what == what)
 
     within = "2 joints with limits, a row only beyond one"
@@ -157,13 +157,13 @@ def test_links_that_are_merged_are_counted() -> None:
     assert spared > 5
 
 
-def plan_of(name: str, keeps_everything: bool) -> Plan:
+def plan_of(name: str, keeps_unused: bool) -> Plan:
     # rows in between looks, which fall on every eighth step
-    return make_plan(dataclasses.replace(scene_from_file(name), every=3), keeps_everything)
+    return make_plan(dataclasses.replace(scene_from_file(name), every=3), keeps_unused)
 
 
 def without_motors(plan: Plan) -> Plan:
-    bodies = (dataclasses.replace(body, has_idle_motors=False) for body in plan.bodies)
+    bodies = (dataclasses.replace(body, has_zero_torque_motors=False) for body in plan.bodies)
     return dataclasses.replace(plan, bodies=tuple(bodies))
 
 
@@ -181,7 +181,7 @@ def test_leaving_out_changes_no_byte(name: str) -> None:
     assert "<collision>" in whole.bodies[0].urdf
     assert ("<collision>" in lean.bodies[0].urdf) is lean.can_touch
     assert all("<visual>" in thing.urdf for thing in whole.objects if thing.urdf)
-    assert all(body.has_idle_motors and body.has_engine_limits for body in whole.bodies)
+    assert all(body.has_zero_torque_motors and body.has_engine_limits for body in whole.bodies)
     least = bits(lean, steps)
     assert bits(without_motors(whole), steps) == least
     assert bits(whole, steps) == least

@@ -58,7 +58,9 @@ class Finger:
             angles, force = unknown[:-1], unknown[-1]
             pose = self.body.at(angles)
             point = pose.point(self.link, self.local)
-            pressed = pose.force_on(self.link, point, np.array((0.0, force, 0.0)), np.zeros(3))
+            pressed = pose.generalised_force(
+                self.link, point, np.array((0.0, force, 0.0)), np.zeros(3)
+            )
             loads = (pressed + pose.gravity_force(gravity))[6:]
             rest = torque * self.drives - self.body.stiffness * angles + loads
             return np.append(rest, point[1] - start[1])

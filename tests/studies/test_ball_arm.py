@@ -71,7 +71,7 @@ def test_more_iterations_of_the_solver_change_less_than_the_step(
     lying = dataclasses.replace(ball_arm.setting(2e-3), seconds=8.0)
     few = recorded(lying)
     finer = recorded(dataclasses.replace(lying, time_step=1e-3))
-    monkeypatch.setattr(collision_filter, "OF_MANY", 200)
+    monkeypatch.setattr(collision_filter, "CROWD_ITERATIONS", 200)
     many = recorded(lying)
     by_solver, by_step = (apart(other, few, "ball_arm.tip")[0] for other in (many, finer))
     assert 0 < by_solver < 0.5 * by_step

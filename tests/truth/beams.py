@@ -15,7 +15,7 @@ import numpy as np
 from somo_cli.analysis import closed_forms, scene_variants
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
-from somo_cli.simulation.dynamics.external_loads import generalised, stiffness_of
+from somo_cli.simulation.dynamics.external_loads import generalised_load_force, load_stiffness
 from somo_cli.simulation.plan.model import make_plan
 from tests.loading import rows_of, scene_from_file
 from tests.truth.table import Row, ordered
@@ -85,8 +85,8 @@ def equilibrium(scene: Scene) -> np.ndarray:
             force = pose.gravity_force((part * plan.gravity[0], 0.0, 0.0))[6:]
             matrix = np.diag(chain.stiffness) + part * pose.gravity_stiffness(plan.gravity)
             for load in body.loads:
-                force = force + part * generalised(load, pose)[6:]
-                matrix += stiffness_of(load, pose, part)
+                force = force + part * generalised_load_force(load, pose)[6:]
+                matrix += load_stiffness(load, pose, part)
             change = np.linalg.solve(matrix, force - chain.stiffness * angles)
             angles = angles + change
             if np.abs(change).max() < 1e-14:

@@ -14,7 +14,7 @@ from somo_cli.scene.model import Scene
 from somo_cli.simulation.plan.model import make_plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.manipulator.bodies import X, actuator, manipulator
-from tests.simulation.mujoco_reference import led_trajectory, model_of
+from tests.simulation.mujoco_reference import model_of, prescribed_trajectory
 from tests.truth.table import Row, ordered
 
 STEPS = (4e-3, 2e-3, 1e-3, 5e-4)  # s
@@ -40,8 +40,8 @@ def bases() -> Iterator[list[Row]]:
     for case, data in MOTIONS.items():
         (one,) = finger(data, STEPS[0]).manipulators
         assert one.motion is not None
-        model = model_of(one.compiled.chain, (0, 0, -9.81), 2.5e-4, is_led=True)
-        reference = led_trajectory(model, one.motion, np.arange(0, 0.51, 0.02).tolist())
+        model = model_of(one.compiled.chain, (0, 0, -9.81), 2.5e-4, has_prescribed_base=True)
+        reference = prescribed_trajectory(model, one.motion, np.arange(0, 0.51, 0.02).tolist())
         of_pose, of_angles = [], []
         for step in STEPS:
             plan = make_plan(finger(data, step))

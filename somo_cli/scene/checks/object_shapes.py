@@ -151,10 +151,10 @@ def _urdf_problems(document: Document, at: Pointer, data: Mapping[str, Any]) -> 
     yield from body.problems
     if body.problems:
         return
-    count = compound.count([one.solid for one in body.solids])
-    if count > compound.MOST_SHAPES:
+    count = compound.shape_count([one.solid for one in body.solids])
+    if count > compound.MAX_SHAPES:
         message = f"it has {count} shapes, a capsule counting as three, and the engine takes "
-        yield Problem(body.span, f"{message}{compound.MOST_SHAPES}", "leave some out")
+        yield Problem(body.span, f"{message}{compound.MAX_SHAPES}", "leave some out")
     if not is_free(data):
         return
     for name, span in body.links_without_inertia:
@@ -166,7 +166,7 @@ def _urdf_problems(document: Document, at: Pointer, data: Mapping[str, Any]) -> 
         message = "no link has a mass"
         yield Problem(body.span, message, "give one <inertial>, or the object fixed: true")
         return
-    _, moments = compound.principal(solids.lumped(tuple(body.inertials)).inertia)
+    _, moments = compound.principal_axes(solids.lumped(tuple(body.inertials)).inertia)
     if not min(moments) > 0:
         message = f"the moments of inertia of the whole are {moments[0]:.3g}, {moments[1]:.3g} and "
         hint = "all three are greater than 0"

@@ -22,7 +22,7 @@ from somo_cli.manipulator.kinematics import Pose
 
 IntArray: TypeAlias = npt.NDArray[np.intp]
 
-_IDENTITY = np.eye(4)
+_IDENTITY_TRANSFORM = np.eye(4)
 
 
 class ChainDynamics:
@@ -33,7 +33,7 @@ class ChainDynamics:
         self.count = len(joints)
         self.masses: Array = np.array([link.inertial.mass for link in links])
         self.centres: Array = np.array([link.inertial.centre for link in links])
-        self.inertias: Array = np.array([_tensor(link.inertial.inertia) for link in links])
+        self.inertias: Array = np.array([_inertia_matrix(link.inertial.inertia) for link in links])
         self.axes: Array = np.array([joint.axis for joint in joints]).reshape(-1, 3)
         self.stiffness: Array = np.array([joint.stiffness for joint in joints])
         self.damping: Array = np.array([joint.damping for joint in joints])
@@ -42,19 +42,19 @@ class ChainDynamics:
         self.tips = tuple((limb.last_link, np.array(limb.tip)) for limb in chain.backbones)
         # joints in series, and for each link the joints that move it: [first of its limb, link)
         self.limbs = tuple(slice(limb.first, limb.last) for limb in chain.backbones)
-        self.ways = (
+        self.moving_joints = (
             slice(0, 0),
-            *(slice(one.start, link) for one in self.limbs for link in _links(one)),
+            *(slice(one.start, link) for one in self.limbs for link in _moved_links(one)),
         )
-        self.moves: Array = np.zeros((self.count + 1, self.count))  # link l is moved by joint j
-        for link, way in enumerate(self.ways):
-            self.moves[link, way] = 1.0
-        self._products = _products(chain)
+        self.moved_by: Array = np.zeros((self.count + 1, self.count))  # link l is moved by joint j
+        for link, way in enumerate(self.moving_joints):
+            self.moved_by[link, way] = 1.0
+        self._frame_products = _frame_products(chain)
         # each joint as a homogeneous transform, linear in 1, sin q and 1 - cos q (Rodrigues)
         self._constant: Array = np.tile(np.eye(4), (self.count, 1, 1))
         self._constant[:, :3, 3] = np.array([joint.origin for joint in joints]).reshape(-1, 3)
         self._sine: Array = np.zeros((self.count, 4, 4))
-        self._sine[:, :3, :3] = cross_matrices(self.axes)
+        self._sine[:, :3, :3] = skew_matrices(self.axes)
         self._versine: Array = self._sine @ self._sine
         for index, joint in enumerate(joints):
             if joint.rpy != geometry.ZERO:
@@ -72,7 +72,7 @@ class ChainDynamics:
         sine, versine = np.sin(angles), np.sin(0.5 * angles)
         versine *= 2 * versine
         frames: Array = np.empty((self.count + 1, 4, 4))
-        frames[0] = _IDENTITY
+        frames[0] = _IDENTITY_TRANSFORM
         frames[0, :3, :3], frames[0, :3, 3] = base.rotation, base.position
         steps = frames[1:]
         np.multiply(sine[:, np.newaxis, np.newaxis], self._sine, steps)
@@ -80,7 +80,7 @@ class ChainDynamics:
         steps += versine[:, np.newaxis, np.newaxis] * self._versine
         # products of 2, 4, 8, ... in a row (Hillis and Steele, Comm. ACM 29 (1986) 1170): calls
         # into numpy are what this costs
-        for links, before in self._products:
+        for links, before in self._frame_products:
             frames[links] = frames[before] @ frames[links]
         return frames
 
@@ -110,7 +110,8 @@ class ChainPose:
     def tip_jacobians(self) -> tuple[Array, ...]:
         """Return how the joints move the tip of each limb, (3, n) each; the base is held."""
         return tuple(
-            np.cross(self.axes, self.point(link, tip) - self.origins[1:]).T * self.chain.moves[link]
+            np.cross(self.axes, self.point(link, tip) - self.origins[1:]).T
+            * self.chain.moved_by[link]
             for link, tip in self.chain.tips
         )
 
@@ -144,15 +145,15 @@ class ChainPose:
         linear, angular = np.zeros((2, n + 1, 3, 6 + n))
         angular[:, :, :3] = np.eye(3)
         linear[:, :, 3:6] = np.eye(3)
-        linear[:, :, :3] = -cross_matrices(self.centres - self.centres[0])
-        moves = self.chain.moves
+        linear[:, :, :3] = -skew_matrices(self.centres - self.centres[0])
+        moved_by = self.chain.moved_by
         arms = self.centres[:, np.newaxis] - self.origins[np.newaxis, 1:]
-        swing = np.cross(self.axes[np.newaxis], arms) * moves[:, :, np.newaxis]
+        swing = np.cross(self.axes[np.newaxis], arms) * moved_by[:, :, np.newaxis]
         linear[:, :, 6:] = swing.transpose(0, 2, 1)
-        angular[:, :, 6:] = (moves[:, :, np.newaxis] * self.axes).transpose(0, 2, 1)
+        angular[:, :, 6:] = (moved_by[:, :, np.newaxis] * self.axes).transpose(0, 2, 1)
         return linear, angular
 
-    def force_on(self, link: int, point: Array, force: Array, moment: Array) -> Array:
+    def generalised_force(self, link: int, point: Array, force: Array, moment: Array) -> Array:
         """Return the generalised force, shape (6 + n,), of a force and a moment on a link.
 
         `point` is where the force acts, in the world. The first six are the moment about the
@@ -162,7 +163,7 @@ class ChainPose:
         # r x F as r times a matrix: numpy's cross is slow, and this runs in every step
         x, y, z = force.tolist()
         cross = np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
-        way = self.chain.ways[link]
+        way = self.chain.moving_joints[link]
         moments = (point - self.origins[1:][way]) @ cross
         moments += moment
         generalised[:3] = moment + (point - self.centres[0]) @ cross
@@ -170,16 +171,16 @@ class ChainPose:
         generalised[6:][way] = np.einsum("ij,ij->i", self.axes[way], moments)
         return generalised
 
-    def stiffness_of_force(self, link: int, point: Array, force: Array) -> Array:
+    def force_stiffness(self, link: int, point: Array, force: Array) -> Array:
         """Return the joint stiffness, (n, n), of a force fixed in the world: minus dτ/dq.
 
         d/dq_j of a_i x (p - o_i) is a_j x (a_i x (p - o_i)) for j <= i.
         """
         n = self.chain.count
         stiffness: Array = np.zeros((n, n))
-        way = self.chain.ways[link]
+        way = self.chain.moving_joints[link]
         arms = point - self.origins[1:][way]
-        stiffness[way, way] = _stiffness_in_series(force, self.axes[way], arms)
+        stiffness[way, way] = _series_stiffness(force, self.axes[way], arms)
         return stiffness
 
     def gravity_force(self, gravity: Vector) -> Array:
@@ -192,7 +193,7 @@ class ChainPose:
     def gravity_stiffness(self, gravity: Vector) -> Array:
         """Return the joint stiffness of gravity, (n, n); not positive where the chain may topple.
 
-        As `stiffness_of_force`, with all the mass that a joint carries at its common centre.
+        As `force_stiffness`, with all the mass that a joint carries at its common centre.
         """
         n = self.chain.count
         stiffness: Array = np.zeros((n, n))
@@ -201,7 +202,7 @@ class ChainPose:
             carried = np.cumsum(masses[::-1], axis=0)[::-1]
             moments = np.cumsum((masses * self.centres[1:][limb])[::-1], axis=0)[::-1]
             arms = moments - carried * self.origins[1:][limb]
-            own = _stiffness_in_series(np.array(gravity), self.axes[limb], arms)
+            own = _series_stiffness(np.array(gravity), self.axes[limb], arms)
             stiffness[limb, limb] = own
         return stiffness
 
@@ -223,12 +224,12 @@ class ChainPose:
         return -float(self.chain.masses @ self.centres @ np.array(gravity))
 
 
-def _links(joints: slice) -> range:
+def _moved_links(joints: slice) -> range:
     """Return the links that joints in series move."""
     return range(joints.start + 1, joints.stop + 1)
 
 
-def _products(chain: Chain) -> tuple[tuple[slice | IntArray, slice | IntArray], ...]:
+def _frame_products(chain: Chain) -> tuple[tuple[slice | IntArray, slice | IntArray], ...]:
     """Return which frames are multiplied by which, in turn, for all to be in the world's.
 
     First by the parent's, then by that of the parent's parent, and so on by twice as many; of a
@@ -246,17 +247,17 @@ def _products(chain: Chain) -> tuple[tuple[slice | IntArray, slice | IntArray], 
     return tuple(found)
 
 
-def _stiffness_in_series(force: Array, axes: Array, arms: Array) -> Array:
+def _series_stiffness(force: Array, axes: Array, arms: Array) -> Array:
     """Return minus F · (a_j x (a_i x r_i)), (m, m), j <= i, of m joints in series, mirrored."""
     # F · (a_j x b) = (F x a_j) · b; numpy's cross is slow, and this may run in many steps
-    (turn,) = cross_matrices(force[np.newaxis])
-    swings = np.einsum("ijk,ik->ij", cross_matrices(axes), arms)
+    (turn,) = skew_matrices(force[np.newaxis])
+    swings = np.einsum("ijk,ik->ij", skew_matrices(axes), arms)
     upper = np.triu((axes @ turn.T) @ swings.T)
     stiffness: Array = -(upper + np.triu(upper, 1).T)
     return stiffness
 
 
-def cross_matrices(vectors: Array) -> Array:
+def skew_matrices(vectors: Array) -> Array:
     """Return the matrices, (n, 3, 3), that act on a vector as the cross products v x do."""
     matrices: Array = np.zeros((len(vectors), 3, 3))
     x, y, z = vectors.T
@@ -266,6 +267,6 @@ def cross_matrices(vectors: Array) -> Array:
     return matrices
 
 
-def _tensor(inertia: tuple[float, float, float, float, float, float]) -> list[list[float]]:
+def _inertia_matrix(inertia: tuple[float, float, float, float, float, float]) -> list[list[float]]:
     xx, xy, xz, yy, yz, zz = inertia
     return [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]

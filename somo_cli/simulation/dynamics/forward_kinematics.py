@@ -16,7 +16,7 @@ Frames: TypeAlias = tuple[Array, Array]
 """Origins, shape (..., 3, instants), and axes as the columns of (..., 3, 3, instants)."""
 
 
-class ChainPoses:
+class ForwardKinematics:
     """What of a chain no pose changes; `frames` follows it from the base on.
 
     Every operation is on all instants together and no number depends on its neighbours, so that a
@@ -53,12 +53,14 @@ class ChainPoses:
             for along, offset in offsets:
                 positions[joint + 1] += offset * rotation[:, along]
             if turned is not None:
-                rotation = _times(rotation, turned)
-            _turn(rotation, axis, sines[joint], cosines[joint], rotations[joint + 1])
+                rotation = _product(rotation, turned)
+            _write_rotated(rotation, axis, sines[joint], cosines[joint], rotations[joint + 1])
         return positions, rotations
 
 
-def _turn(rotation: Array, axis: geometry.Vector, sine: Array, cosine: Array, out: Array) -> None:
+def _write_rotated(
+    rotation: Array, axis: geometry.Vector, sine: Array, cosine: Array, out: Array
+) -> None:
     """Write a rotation followed by one about an axis of its own, shapes (3, 3, m) and (m,)."""
     if sorted(axis) == [0.0, 0.0, 1.0]:
         # most joints, written out without products with zero: two columns turn in their plane
@@ -70,11 +72,11 @@ def _turn(rotation: Array, axis: geometry.Vector, sine: Array, cosine: Array, ou
         return
     # Rodrigues: 1 + sin(q) K + (1 - cos(q)) K², with K v = axis x v
     cross: Array = np.cross(axis, np.eye(3)).T
-    out[:] = rotation + sine * _times(rotation, cross)
-    out += (1 - cosine) * _times(rotation, cross @ cross)
+    out[:] = rotation + sine * _product(rotation, cross)
+    out += (1 - cosine) * _product(rotation, cross @ cross)
 
 
-def _times(rotation: Array, matrix: Array) -> Array:
+def _product(rotation: Array, matrix: Array) -> Array:
     """Return rotations, shape (3, 3, m), times one matrix, shape (3, 3)."""
     columns = np.moveaxis(rotation, 1, 0)
     return np.stack(
@@ -82,14 +84,14 @@ def _times(rotation: Array, matrix: Array) -> Array:
     )
 
 
-def frames_of(poses: Sequence[Pose]) -> Frames:
+def frames_from_poses(poses: Sequence[Pose]) -> Frames:
     """Return poses as arrays of shape (3, m) and (3, 3, m)."""
     positions: Array = np.array([pose.position for pose in poses]).T
     rotations: Array = np.array([pose.rotation for pose in poses])
     return positions, np.moveaxis(rotations, 0, -1)
 
 
-def point_of(frames: Frames, link: int, local: geometry.Vector) -> Array:
+def point_positions(frames: Frames, link: int, local: geometry.Vector) -> Array:
     """Return where a point of a link is in the world, shape (3, m), given in the link's frame."""
     positions, rotations = frames
     place: Array = positions[link].copy()

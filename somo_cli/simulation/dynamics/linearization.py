@@ -10,10 +10,10 @@ from somo_cli.arrays import Array
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics, ChainPose
 
-UNEVEN = 0.1  # rad: how far the chain is bent where it is asked how fast its inertia changes
+TEST_BEND = 0.1  # rad: how far the chain is bent where it is asked how fast its inertia changes
 
 
-def fastest_fall(pose: ChainPose, gravity: Vector, mass: Array) -> float:
+def fastest_gravity_mode(pose: ChainPose, gravity: Vector, mass: Array) -> float:
     """Return the highest natural frequency [rad/s] that gravity alone gives a chain at a pose.
 
     Of M q'' + G q = 0; of either sign, so also how fast it topples. The base is held.
@@ -22,14 +22,16 @@ def fastest_fall(pose: ChainPose, gravity: Vector, mass: Array) -> float:
     return math.sqrt(float(np.abs(modes).max()))
 
 
-def pendulum(pose: ChainPose, gravity: Vector) -> Array:
+def positive_gravity_stiffness(pose: ChainPose, gravity: Vector) -> Array:
     """Return the positive part of the joint stiffness of gravity at a pose, shape (n, n)."""
     values, vectors = np.linalg.eigh(pose.gravity_stiffness(gravity))
     positive: Array = (vectors * np.maximum(values, 0.0)) @ vectors.T
     return positive
 
 
-def staleness(chain: ChainDynamics, angles: Array, has_free_base: bool, turn: float) -> float:
+def largest_inertia_change(
+    chain: ChainDynamics, angles: Array, has_free_base: bool, turn: float
+) -> float:
     """Return the relative change of inertia, of the motion that it changes most, in a turn [rad].
 
     Links much lighter than what they carry can move so that the load stays where it is. How
@@ -38,7 +40,7 @@ def staleness(chain: ChainDynamics, angles: Array, has_free_base: bool, turn: fl
     unevenly, since a straight one tells little; the turn is the root of the sum of squares.
     """
     number = np.arange(chain.count)
-    bent = angles + UNEVEN * np.sin(1 + 2.7 * number)
+    bent = angles + TEST_BEND * np.sin(1 + 2.7 * number)
     way = np.cos(0.5 + 1.9 * number)
     way *= turn / np.linalg.norm(way)
     before, after = (chain.at(one).joint_inertia(has_free_base) for one in (bent, bent + way))

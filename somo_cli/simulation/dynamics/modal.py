@@ -9,7 +9,7 @@ import numpy as np
 
 from somo_cli.arrays import Array
 
-FROZEN = 2.2e-16
+MIN_JOINT_INERTIA = 2.2e-16
 """PyBullet 3.2.7 takes a joint that feels less inertia than this [engine units] to be held."""
 
 
@@ -20,7 +20,7 @@ def natural_frequencies(mass: Array, stiffness: Array) -> Array:
     lets topple counts as zero. Raises numpy.linalg.LinAlgError for a mass matrix that is not
     positive definite.
     """
-    squares = np.linalg.eigvalsh(normaliser(mass)[0](stiffness))
+    squares = np.linalg.eigvalsh(mass_normalisation(mass)[0](stiffness))
     frequencies: Array = np.sqrt(np.maximum(squares, 0.0))
     return frequencies
 
@@ -32,12 +32,12 @@ def largest_explicit_step(mass: Array, stiffness: Array, damping: Sequence[float
     M (z - 1)² + h D (z - 1) + h² K z at z = -1, is positive definite. Shapes and errors are those
     of `natural_frequencies`.
     """
-    normalised, _ = normaliser(mass)
+    normalised, _ = mass_normalisation(mass)
     k, d = normalised(stiffness), normalised(np.asarray(damping))
-    fastest, dampest = (float(np.linalg.eigvalsh(matrix)[-1]) for matrix in (k, d))
+    fastest, most_damped = (float(np.linalg.eigvalsh(matrix)[-1]) for matrix in (k, d))
     # either alone allows a longer step than both together, and a quarter of that always holds
     alone = [2 / math.sqrt(fastest)] if fastest > 0 else []
-    alone += [2 / dampest] if dampest > 0 else []
+    alone += [2 / most_damped] if most_damped > 0 else []
     if not alone:
         return math.inf
     low, high = min(alone) / 4, min(alone)
@@ -48,17 +48,17 @@ def largest_explicit_step(mass: Array, stiffness: Array, damping: Sequence[float
     return low
 
 
-def inertia_felt(mass: Array) -> Array:
+def articulated_inertia(mass: Array) -> Array:
     """Return what each joint feels when those beyond it give way, shape (n,).
 
     The diagonal of D in M = Lᵀ D L, which is what the engine divides by: Featherstone, Rigid Body
     Dynamics Algorithms (2008), sec. 6.5. Raises numpy.linalg.LinAlgError.
     """
-    felt: Array = np.diag(np.linalg.cholesky(mass[::-1, ::-1]))[::-1] ** 2
-    return felt
+    inertia: Array = np.diag(np.linalg.cholesky(mass[::-1, ::-1]))[::-1] ** 2
+    return inertia
 
 
-def normaliser(mass: Array) -> tuple[Callable[[Array], Array], Callable[[Array], Array]]:
+def mass_normalisation(mass: Array) -> tuple[Callable[[Array], Array], Callable[[Array], Array]]:
     """Return a function that refers a matrix to unit masses, and one that leads shapes back.
 
     With M = L Lᵀ the first gives L⁻¹ A L⁻ᵀ, the second L⁻ᵀ v. Raises numpy.linalg.LinAlgError.

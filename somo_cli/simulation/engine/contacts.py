@@ -1,4 +1,4 @@
-"""What touches what: contact points as the engine tells them, and the forces they sum up to."""
+"""What points what: contact points as the engine tells them, and the forces they sum up to."""
 
 from __future__ import annotations
 
@@ -9,36 +9,38 @@ from typing import NamedTuple, TypeAlias
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 
-Place: TypeAlias = tuple[int, int]
+LinkIndex: TypeAlias = tuple[int, int]
 """A body and one of its links. Bodies are counted in the order of the plan, then objects, then
 the ground; links as in the chain, 0 the base."""
 
 
-class Touch(NamedTuple):
+class ContactPoint(NamedTuple):
     """One contact point in the last step, in engine units and the world's axes.
 
-    `normal` is a unit vector from second to first, `pressed` the force along it on the first, and
-    `rubs` are the two forces of friction on the first, each a direction and a size.
+    `normal` is a unit vector from second to first, `normal_force` the force along it on the first, and
+    `friction_forces` are the two forces of friction on the first, each a direction and a size.
     """
 
-    first: Place
-    second: Place
+    first: LinkIndex
+    second: LinkIndex
     point: Vector
     normal: Vector
-    pressed: float
-    rubs: tuple[tuple[Vector, float], tuple[Vector, float]]
+    normal_force: float
+    friction_forces: tuple[tuple[Vector, float], tuple[Vector, float]]
 
 
-def rub(first: Place, second: Place, point: Sequence[float], force: Sequence[float]) -> Touch:
+def friction_contact(
+    first: LinkIndex, second: LinkIndex, point: Sequence[float], force: Sequence[float]
+) -> ContactPoint:
     """Return a friction by itself, whose normal force another contact point has."""
     size = geometry.norm(geometry.vector(force))
     x, y, z = (part / size if size > 0 else 0.0 for part in force)
-    rubs = ((x, y, z), size), (geometry.ZERO, 0.0)
-    return Touch(first, second, geometry.vector(point), geometry.ZERO, 0.0, rubs)
+    friction_forces = ((x, y, z), size), (geometry.ZERO, 0.0)
+    return ContactPoint(first, second, geometry.vector(point), geometry.ZERO, 0.0, friction_forces)
 
 
-class Load(NamedTuple):
-    """What contact points do to one side, in the world's axes.
+class ContactForce(NamedTuple):
+    """What contact points do to one contact, in the world's axes.
 
     The whole force, the sum of the sizes of normal forces and of friction, the force of friction.
     """
@@ -53,57 +55,61 @@ class Load(NamedTuple):
     friction_z: float
 
 
-NONE = Load(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+NO_CONTACT = ContactForce(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
-Side: TypeAlias = tuple[Touch, float]
+SignedContact: TypeAlias = tuple[ContactPoint, float]
 """A contact point, and 1 if it is looked at from its first, -1 if from its second."""
 
 
-def on(touches: Sequence[Touch], body: int) -> list[Side]:
-    """Return what touches a body from outside; forces within it are in no sum over the whole."""
+def contacts_on(points: Sequence[ContactPoint], body: int) -> list[SignedContact]:
+    """Return what points a body from outside; forces within it are in no sum over the whole."""
     return [
-        (touch, 1.0 if touch.first[0] == body else -1.0)
-        for touch in touches
-        if (touch.first[0] == body) != (touch.second[0] == body)
+        (point, 1.0 if point.first[0] == body else -1.0)
+        for point in points
+        if (point.first[0] == body) != (point.second[0] == body)
     ]
 
 
-def between(touches: Sequence[Touch], body: int, other: int) -> list[Side]:
-    """Return what of another body touches a body."""
-    return [side for side in on(touches, body) if other in (side[0].first[0], side[0].second[0])]
-
-
-def on_link(touches: Sequence[Touch], place: Place) -> list[Side]:
-    """Return what touches a link of a body, other links of the same body included."""
+def contacts_between(points: Sequence[ContactPoint], body: int, other: int) -> list[SignedContact]:
+    """Return what of another body points a body."""
     return [
-        (touch, sign)
-        for touch in touches
-        for sign, one in ((1.0, touch.first), (-1.0, touch.second))
-        if one == place
+        contact
+        for contact in contacts_on(points, body)
+        if other in (contact[0].first[0], contact[0].second[0])
     ]
 
 
-def total(sides: Sequence[Side]) -> tuple[float, float, float, float]:
+def contacts_on_link(points: Sequence[ContactPoint], link: LinkIndex) -> list[SignedContact]:
+    """Return what points a link of a body, other links of the same body included."""
+    return [
+        (point, sign)
+        for point in points
+        for sign, one in ((1.0, point.first), (-1.0, point.second))
+        if one == link
+    ]
+
+
+def total_force(contacts: Sequence[SignedContact]) -> tuple[float, float, float, float]:
     """Return the force of contact points, in the world's axes, and the sum of normal forces."""
-    x = y = z = pressed = 0.0
-    for touch, sign in sides:
-        pressed += touch.pressed
-        for (dx, dy, dz), size in ((touch.normal, touch.pressed), *touch.rubs):
+    x = y = z = normal_force = 0.0
+    for point, sign in contacts:
+        normal_force += point.normal_force
+        for (dx, dy, dz), size in ((point.normal, point.normal_force), *point.friction_forces):
             force = sign * size
             x, y, z = x + force * dx, y + force * dy, z + force * dz
-    return x, y, z, pressed
+    return x, y, z, normal_force
 
 
-def load(sides: Sequence[Side]) -> Load:
+def contact_force(contacts: Sequence[SignedContact]) -> ContactForce:
     """Return the force of contact points, and what of it is friction."""
-    if not sides:
-        return NONE
-    tx = ty = tz = rubbed = 0.0
-    for touch, sign in sides:
+    if not contacts:
+        return NO_CONTACT
+    tx = ty = tz = friction = 0.0
+    for point, sign in contacts:
         x = y = z = 0.0
-        for (dx, dy, dz), size in touch.rubs:
+        for (dx, dy, dz), size in point.friction_forces:
             force = sign * size
             x, y, z = x + force * dx, y + force * dy, z + force * dz
-        tx, ty, tz, rubbed = tx + x, ty + y, tz + z, rubbed + math.hypot(x, y, z)
-    fx, fy, fz, pressed = total(sides)
-    return Load(fx, fy, fz, pressed, rubbed, tx, ty, tz)
+        tx, ty, tz, friction = tx + x, ty + y, tz + z, friction + math.hypot(x, y, z)
+    fx, fy, fz, normal_force = total_force(contacts)
+    return ContactForce(fx, fy, fz, normal_force, friction, tx, ty, tz)

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 from somo_cli.arrays import Array
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
-from somo_cli.simulation.engine.contacts import Place, Touch
+from somo_cli.simulation.engine.contacts import ContactPoint, LinkIndex
 
 
 class WorldBody(Protocol):
@@ -32,19 +32,19 @@ class WorldBody(Protocol):
     ) -> Array:
         """Return the forces that gravity and Coriolis terms ask for, on a free base as well.
 
-        With `centre`, the `centre_pose` of a base that can move, that need not be asked for.
+        With `centre`, the `base_inertial_pose` of a base that can move, that need not be asked for.
         """
 
-    def felt_by_joints(self, forces: Array) -> Array:
+    def equivalent_joint_torques(self, forces: Array) -> Array:
         """Return the joint torques that accelerate the joints as these forces do, shape (n,)."""
 
-    def in_base_axes(self, forces: Array) -> Array:
+    def to_base_axes(self, forces: Array) -> Array:
         """Return forces, shape (6 + n,), in the world's axes on the base, in the base's own."""
 
-    def push_base(self, wrench: Array, centre: Pose | None = None) -> None:
+    def apply_base_wrench(self, wrench: Array, centre: Pose | None = None) -> None:
         """Apply a torque and a force to the base during the next step, in its own axes."""
 
-    def centre_pose(self) -> Pose:
+    def base_inertial_pose(self) -> Pose:
         """Return the pose in the world of the base's centre of mass, along its principal axes."""
 
     def base_pose(self) -> Pose:
@@ -62,7 +62,7 @@ class WorldBody(Protocol):
         """Go to the start pose with these angles and rates."""
 
 
-class WorldThing(Protocol):
+class WorldObject(Protocol):
     """What a run needs of one object, engine units."""
 
     def reset(self, linear_velocity: Vector | None = None) -> None:
@@ -75,26 +75,26 @@ class WorldThing(Protocol):
         """Return the velocity of its centre and its angular velocity, in the world."""
 
 
-class WorldMovedBody(WorldBody, Protocol):
+class WorldPrescribedBody(WorldBody, Protocol):
     """What a run needs of a body whose base is moved."""
 
     def move_base(self, goal: Pose, is_at_rest: bool) -> None:
         """Have the base frame at this pose after the next step, and after more if at rest."""
 
-    def pull_of_base(self, acceleration: Array) -> Array:
+    def base_acceleration_torques(self, acceleration: Array) -> Array:
         """Return the joint torques, shape (n,), that an acceleration of the base asks for.
 
         Shape (6,), the angular one, then that of the centre of mass, in the world.
         """
 
 
-class WorldMovedThing(WorldThing, Protocol):
+class WorldKinematicObject(WorldObject, Protocol):
     """What a run needs of an object that is moved."""
 
     def move_to(self, goal: Pose, time_step: float) -> None:
         """Have the frame at this pose after the next step."""
 
-    def rest(self) -> None:
+    def hold_pose(self) -> None:
         """Have the frame stay where it is until it is moved."""
 
 
@@ -106,17 +106,17 @@ class World(Protocol):
         """The bodies, in the order of the plan."""
 
     @property
-    def objects(self) -> Sequence[WorldThing]:
+    def objects(self) -> Sequence[WorldObject]:
         """The objects, in the order of the plan."""
 
     step: Callable[[], object]
     """Advances every body by one time step."""
 
-    def touches(self) -> list[Touch]:
+    def contact_points(self) -> list[ContactPoint]:
         """Return every contact point of the last step, in an order that is always the same."""
 
-    def penetrations(self) -> Sequence[tuple[Place, Place, float]]:
+    def penetrations(self) -> Sequence[tuple[LinkIndex, LinkIndex, float]]:
         """Return which parts were how deep in each other in the last step; depths above 0 only."""
 
-    def heed_contacts(self) -> None:
+    def adapt_solver_iterations(self) -> None:
         """Let the solver take as many iterations as pay with what `penetrations` saw last."""

@@ -39,14 +39,16 @@ def mismatches(
 
     `links` holds None where the engine keeps no mass, which is a base that cannot move.
     """
-    found: list[str] = []
+    differences: list[str] = []
 
     def compare(what: str, engine: Sequence[float], ours: Sequence[float], size: float) -> None:
         if any(
             not math.isclose(a, b, rel_tol=TOLERANCE, abs_tol=TOLERANCE * size)
             for a, b in zip(engine, ours, strict=True)
         ):
-            found.append(f"{what} is {_shown(engine)} in the engine, {_shown(ours)} in the file")
+            differences.append(
+                f"{what} is {_formatted(engine)} in the engine, {_formatted(ours)} in the file"
+            )
 
     for link, engine_link in zip(chain.links, links, strict=True):
         if engine_link is None:
@@ -62,12 +64,14 @@ def mismatches(
         compare(f"inertia of {link.name}", sorted(engine_link.moments), own, 100 * own[2])
     for joint, engine_joint in zip(chain.joints, joints, strict=True):
         if engine_joint.parent != joint.parent - 1:
-            found.append(f"parent of {joint.name} is link {engine_joint.parent} in the engine")
+            differences.append(
+                f"parent of {joint.name} is link {engine_joint.parent} in the engine"
+            )
         compare(f"axis of {joint.name}", engine_joint.axis, joint.axis, 1.0)
         limits = (joint.lower, joint.upper)
         compare(f"limits of {joint.name}", (engine_joint.lower, engine_joint.upper), limits, 1.0)
-    return found
+    return differences
 
 
-def _shown(values: Sequence[float]) -> str:
+def _formatted(values: Sequence[float]) -> str:
     return "[" + ", ".join(f"{value:.6g}" for value in values) + "]"

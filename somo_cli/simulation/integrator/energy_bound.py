@@ -11,8 +11,8 @@ from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import ways
-from somo_cli.simulation.engine.interface import WorldThing
-from somo_cli.simulation.plan.joint_springs import Springs
+from somo_cli.simulation.engine.interface import WorldObject
+from somo_cli.simulation.plan.joint_springs import JointSprings
 from somo_cli.simulation.plan.model import Body, Plan
 
 SMALL_ANGLE = 1e-3  # rad; deflections below it are never called divergence
@@ -25,31 +25,31 @@ class BodyEnergy:
     at most, with everything stretched out and falling over once. `floor` is an energy too small to
     speak of: every spring deflected by a small angle.
 
-    Where `take_whole` is told of a free body, its base counts too, and what gravity has given: a
-    body that contact throws far away is not to be taken for one that has fallen far.
+    Where `set_whole_energy` is told of a free body, its base counts too, and what gravity has given: a
+    body that contact throws far away is not to be taken for one that has gravity_work far.
     """
 
-    def __init__(self, body: Body, springs: Springs, gravity: Sequence[float]) -> None:
+    def __init__(self, body: Body, springs: JointSprings, gravity: Sequence[float]) -> None:
         self.present = self.elastic = 0.0
         self.floor = float(0.5 * springs.stiffness.sum() * SMALL_ANGLE**2)
         self._springs = springs
         self._weight = geometry.norm((gravity[0], gravity[1], gravity[2]))
         self._mass = sum(link.inertial.mass for link in body.chain.links)
-        self._given = _energy_of_base(body) + self._weight * _fall(body)
+        self._given_energy = _energy_of_base(body) + self._weight * _fall_moment(body)
         self._base_fall = 0.0
         self._start: tuple[float, float] | None = None  # of the whole: all of it, that in gravity
-        self._fallen = 0.0
-        self._has_begun = False
+        self._gravity_work = 0.0
+        self._has_started = False
         self._work = 0.0
-        self._most_work = 0.0
+        self._max_work = 0.0
         self._angles: Array = np.zeros(len(body.chain.joints))
 
     @property
     def bound(self) -> float:
         """The most energy the joints and springs can have; of a whole body, all of it."""
         if self._start is not None:
-            return self._start[0] + self._most_work + self._fallen
-        return self._given + self._most_work + self._base_fall
+            return self._start[0] + self._max_work + self._gravity_work
+        return self._given_energy + self._max_work + self._base_fall
 
     def update(self, angles: Array, rates: Array, mass: Array) -> None:
         """Take the present state, arrays of shape (n,), and the joint-space inertia (n, n)."""
@@ -58,12 +58,12 @@ class BodyEnergy:
         deflection *= deflection
         self.elastic = 0.5 * float(springs.stiffness.dot(deflection))
         self.present = 0.5 * float(rates.dot(mass.dot(rates))) + self.elastic
-        if not self._has_begun:
-            self._given += self.present
-            self._has_begun = True
+        if not self._has_started:
+            self._given_energy += self.present
+            self._has_started = True
         self._angles = angles.copy()
 
-    def of(self, angles: Array, rates: Array, masses: Sequence[Array]) -> Array:
+    def energies(self, angles: Array, rates: Array, masses: Sequence[Array]) -> Array:
         """Return the energies of joints and springs in several states, shape (states,).
 
         Angles and rates have the shape (states, n); `masses` holds the inertia of each state, one
@@ -80,73 +80,73 @@ class BodyEnergy:
         energies: Array = 0.5 * (np.einsum("ij,ij->i", rates, momenta) + elastic)
         return energies
 
-    def take_whole(self, kinetic: float, gravity: float) -> None:
+    def set_whole_energy(self, kinetic: float, gravity: float) -> None:
         """Take the energies of a whole free body, after `update`: of motion, and in gravity."""
         self.present = kinetic + self.elastic
         if self._start is None:
             self._start = self.present, gravity
-        self._fallen = max(self._fallen, self._start[1] - gravity)
+        self._gravity_work = max(self._gravity_work, self._start[1] - gravity)
 
-    def give(self, work: float) -> None:
+    def add_work(self, work: float) -> None:
         """Add work of actuation and loads, on base and joints."""
         self._work += work
-        self._most_work = max(self._most_work, self._work)
+        self._max_work = max(self._max_work, self._work)
 
-    def allow(self, energy: float) -> None:
+    def add_energy(self, energy: float) -> None:
         """Allow for energy that was put in by what is neither actuation nor load."""
-        self._given += energy
+        self._given_energy += energy
 
-    def let_base_fall(self, distance: float) -> None:
+    def bound_base_fall(self, distance: float) -> None:
         """Allow for what gravity can give when the base has moved this far."""
         self._base_fall = max(self._base_fall, self._weight * self._mass * distance)
 
-    def by_joint(self, rates: Array, mass: Array) -> Array:
+    def joint_shares(self, rates: Array, mass: Array) -> Array:
         """Return each joint's share of the present energy, shape (n,)."""
         deflection = self._angles - self._springs.neutral
         return 0.5 * (np.abs(rates * (mass @ rates)) + self._springs.stiffness * deflection**2)
 
 
-class ThingsEnergy:
+class ObjectEnergyBound:
     """The most energy that the objects of a scene can have given to the joints; engine units.
 
     What they start with, and what gravity can have given them on the way they have gone.
     """
 
-    def __init__(self, plan: Plan, objects: Sequence[WorldThing]) -> None:
+    def __init__(self, plan: Plan, objects: Sequence[WorldObject]) -> None:
         self._weight = geometry.norm(plan.gravity)
-        self._free: list[tuple[WorldThing, float, Vector, float]] = []
-        self._started_with = 0.0
+        self._free: list[tuple[WorldObject, float, Vector, float]] = []
+        self._start_energy = 0.0
         for one, planned in zip(objects, plan.objects, strict=True):
-            thing = planned.thing
-            if thing.has_prescribed_pose:
+            rigid_object = planned.rigid_object
+            if rigid_object.has_prescribed_pose:
                 continue
-            inertial = thing.chain.links[0].inertial
-            # while its frame stays, a centre of mass beside it can still fall that far
-            beside = 2 * geometry.norm(inertial.centre)
-            self._free.append((one, inertial.mass, thing.position, beside))
-            straight = 0.5 * inertial.mass * _square(thing.linear_velocity)
-            turning = 0.5 * max(inertial.inertia) * _square(thing.angular_velocity)
-            self._started_with += straight + turning
-        self._fallen = 0.0
+            inertial = rigid_object.chain.links[0].inertial
+            # while its frame stays, a centre of mass offset it can still fall that far
+            offset = 2 * geometry.norm(inertial.centre)
+            self._free.append((one, inertial.mass, rigid_object.position, offset))
+            translational = 0.5 * inertial.mass * _square(rigid_object.linear_velocity)
+            rotational = 0.5 * max(inertial.inertia) * _square(rigid_object.angular_velocity)
+            self._start_energy += translational + rotational
+        self._gravity_work = 0.0
 
-    def given(self) -> float:
+    def energy_bound(self) -> float:
         """Return the bound for now."""
         if self._free:
-            fallen = sum(
+            gravity_work = sum(
                 mass
                 * self._weight
-                * (geometry.norm(geometry.subtract(one.pose().position, start)) + beside)
-                for one, mass, start, beside in self._free
+                * (geometry.norm(geometry.subtract(one.pose().position, start)) + offset)
+                for one, mass, start, offset in self._free
             )
-            self._fallen = max(self._fallen, fallen)
-        return self._started_with + self._fallen
+            self._gravity_work = max(self._gravity_work, gravity_work)
+        return self._start_energy + self._gravity_work
 
 
 def _square(vector: Vector) -> float:
     return sum(value * value for value in vector)
 
 
-def _fall(body: Body) -> float:
+def _fall_moment(body: Body) -> float:
     """Return the sum of mass times twice the distance from the base frame's origin."""
     return sum(
         2 * link.inertial.mass * (way + geometry.norm(link.inertial.centre))

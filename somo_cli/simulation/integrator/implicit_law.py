@@ -43,10 +43,10 @@ blow: these are quadratic, and a long chain falling on the ground took up 76 tim
 it had. Where bodies can touch, an a that would turn a joint far within a step, and is more than
 twice the last one or against it, is limited.
 
-Where joints would pass their limits in the coming step, a and τ get what torques λ on them do,
+Where joints would pass their limits in the expected step, a and τ get what torques λ on them do,
 (M + B)⁻¹ λ and (1 - B (M + B)⁻¹) λ: see `stops`.
 
-`SpringLaw.correct` does so in full; `SpringLaw.hold` goes on from the last two, which is enough,
+`SpringDamperLaw.correct` does so in full; `SpringDamperLaw.reuse` goes on from the last two, which is enough,
 and still second order, where a few steps turn no joint far.
 
 Newmark, J. Eng. Mech. Div. ASCE 85 (1959) 67; Chung and Hulbert, J. Appl. Mech. 60 (1993) 371
@@ -65,14 +65,14 @@ import numpy as np
 
 from somo_cli.arrays import Array, invert
 from somo_cli.scene.model import Integrator
-from somo_cli.simulation.integrator.mode_coefficients import ImplicitParts
-from somo_cli.simulation.plan.joint_springs import Springs
+from somo_cli.simulation.integrator.mode_coefficients import ModeCoefficients
+from somo_cli.simulation.plan.joint_springs import JointSprings
 
-BLOW = 2.0  # times the change of the step before: a larger one is a blow's
-SUDDEN = 5e-3  # rad: what a rate's change in a step, times the step, is below in smooth motion
+IMPACT_RATIO = 2.0  # times the change of the step before: a larger one is a blow's
+SMOOTH = 5e-3  # rad: what a rate's change in a step, times the step, is below in smooth motion
 
 
-def carried_on(change: Array, before: Array, small: float) -> Array:
+def limited_change(change: Array, before: Array, small: float) -> Array:
     """Return what of a change in the last step may be taken to go on, from that in the step before.
 
     All of it up to `small`, and in smooth motion; what a blow has added is limited, number by
@@ -80,20 +80,20 @@ def carried_on(change: Array, before: Array, small: float) -> Array:
     """
     if change.dot(change) <= small * small or float(np.abs(change).max()) <= small:
         return change
-    ahead = np.sign(change) * np.minimum(np.abs(change), BLOW * np.abs(before))
+    ahead = np.sign(change) * np.minimum(np.abs(change), IMPACT_RATIO * np.abs(before))
     limited = np.where(change * before > 0, ahead, 0.0)
     return np.where(np.abs(change) > small, limited, change)
 
 
-class SpringLaw:
+class SpringDamperLaw:
     """The law of one body, in most steps as one product of a vector and a matrix.
 
     `state` stacks the share of a held correction's growth, a one, u, q, v, v_prev and τ_prev, shape
     (5 n + 2,): write q and v into `motion`, set `actuation` when it changes, then call `correct`,
-    or what `make_hold` returns, for the torques of the coming step.
+    or what `make_reuse` returns, for the torques of the expected step.
     """
 
-    def __init__(self, springs: Springs, time_step: float, integrator: Integrator) -> None:
+    def __init__(self, springs: JointSprings, time_step: float, integrator: Integrator) -> None:
         n = len(springs.stiffness)
         self.springs = springs
         self.time_step = time_step
@@ -105,27 +105,27 @@ class SpringLaw:
         self._previous_rates, self._previous_torques = _blocks(self.state[3 * n + 2 :], 2)
         self.correction: Array = np.zeros(n)
         self.bias: Array | None = None  # at the start of the last step, if it was corrected
-        self.stop: Callable[[Array, Array], Array | None] | None = None
+        self.limit_torques: Callable[[Array, Array], Array | None] | None = None
         """Gives, from a and (M + B)⁻¹, the torques of joints at their limits, where there are."""
-        self.can_be_struck = False
+        self.detects_impacts = False
         """Whether blows are to be told from smooth motion."""
-        self._last_coming: Array | None = None
+        self._last_acceleration: Array | None = None
         self._mass: Array | None = None
-        self.parts = ImplicitParts(springs, time_step, integrator)
+        self.coefficients = ModeCoefficients(springs, time_step, integrator)
         self._response: Array = np.zeros((n, n))  # (M + B)⁻¹
-        self._implicit = self.parts.centred
+        self._implicit = self.coefficients.constant_implicit
         self._at_rest: Array = springs.stiffness * springs.neutral
         self._torques: Array = np.zeros(n)
         # as arrays, which numpy multiplies by in half of the time that it takes to read a number
         self._step: Array = np.array(time_step)
         self._half_step: Array = np.array(0.5 * time_step)
-        self._step_share = 1.0  # of a held correction's growth
+        self._growth_per_step = 1.0  # of a held correction's growth
         # memory views are copied in half of the time that arrays take
-        self._done: Any = self.rates.data, self._torques.data
-        self._last: Any = self._previous_rates.data, self._previous_torques.data
-        self._lay_down()
+        self._present_views: Any = self.rates.data, self._torques.data
+        self._previous_views: Any = self._previous_rates.data, self._previous_torques.data
+        self._allocate_maps()
 
-    def _lay_down(self) -> None:
+    def _allocate_maps(self) -> None:
         """Lay down s, f and the torques as linear functions of the state, a row for each number.
 
         Rows, so that what a new mass changes, and what is held, is in one piece.
@@ -133,31 +133,31 @@ class SpringLaw:
         n = len(self.rates)
         unit = np.eye(n)
         # s, of a one, u, q and v; only the mass changes it later, and f
-        self._own: Array = np.zeros((3 * n + 1, n))
-        self._own[0] = self._at_rest
-        by_actuation, by_angles, self._own_by_rates = _blocks(self._own[1:], 3)
-        by_actuation[:], self._own_by_rates[:] = unit, -self.parts.damping
+        self._spring_map: Array = np.zeros((3 * n + 1, n))
+        self._spring_map[0] = self._at_rest
+        by_actuation, by_angles, self._spring_by_rates = _blocks(self._spring_map[1:], 3)
+        by_actuation[:], self._spring_by_rates[:] = unit, -self.coefficients.damping
         by_angles[:] = np.diag(-self.springs.stiffness)
-        self._state_of_own = self.state[1 : 3 * n + 2]
+        self._spring_state = self.state[1 : 3 * n + 2]
         # f, of v, v_prev and τ_prev
-        self._force: Array = np.zeros((3 * n, n))
-        self._force_by_rates, self._force_by_previous, by_torques = _blocks(self._force, 3)
+        self._force_map: Array = np.zeros((3 * n, n))
+        self._force_by_rates, self._force_by_previous, by_torques = _blocks(self._force_map, 3)
         by_torques[:] = -unit
-        self._state_of_force = self.state[2 * n + 2 :]
+        self._force_state = self.state[2 * n + 2 :]
         # the torques, of the whole state
-        self._to_torques: Array = np.zeros((5 * n + 2, n))
-        self._to_torques[1 : 3 * n + 2] = self._own
-        self._growth, self._held = self._to_torques[:2]
-        self._laid = _blocks(self._to_torques[2:], 5)
-        self._is_laid_out = True  # whether the product is that of the present mass
+        self._torque_map: Array = np.zeros((5 * n + 2, n))
+        self._torque_map[1 : 3 * n + 2] = self._spring_map
+        self._growth_row, self._constant_row = self._torque_map[:2]
+        self._map_blocks = _blocks(self._torque_map[2:], 5)
+        self._is_assembled = True  # whether the product is that of the present mass
         self._unit: Array = unit
-        self._pull_of_springs: Array = -self.springs.stiffness[:, np.newaxis]
+        self._negative_stiffness: Array = -self.springs.stiffness[:, np.newaxis]
 
-    def refresh(self, mass: Array, is_far: bool = True) -> None:
+    def refresh(self, mass: Array, refreshes_implicit: bool = True) -> None:
         """Take the joint-space inertia M, shape (n, n), of the present pose.
 
         D + N and B, of which any is as good as another in the third order, are left as they are
-        unless it `is_far` from the one for which they were made.
+        unless it `refreshes_implicit` from the one for which they were made.
         """
         if self.integrator == "explicit":
             return
@@ -166,28 +166,28 @@ class SpringLaw:
             change = self.rates - self._previous_rates
             self._previous_torques += (mass - self._mass).dot(change) / self._step
         self._mass = mass
-        if is_far:
-            damping, self._implicit = self.parts.of(mass)
-            np.negative(damping, self._own_by_rates)
+        if refreshes_implicit:
+            damping, self._implicit = self.coefficients.matrices(mass)
+            np.negative(damping, self._spring_by_rates)
         np.divide(mass, self._step, self._force_by_rates)
         np.negative(self._force_by_rates, self._force_by_previous)
         self._response = invert(mass + self._implicit)
-        self._is_laid_out = False
+        self._is_assembled = False
 
-    def _lay_out(self) -> None:
+    def _assemble_torque_map(self) -> None:
         """Make the one product of the present mass, which is worth it where it serves for long."""
         assert self._mass is not None, "refresh comes first"
-        by_actuation, by_angles, by_rates, by_previous, by_torques = self._laid
+        by_actuation, by_angles, by_rates, by_previous, by_torques = self._map_blocks
         # transposed, and so the other way round: B (M + B)⁻¹ and 1 - B (M + B)⁻¹
         share = self._response.dot(self._implicit, by_torques)
         rest = np.subtract(self._unit, share, by_actuation)
-        np.multiply(self._pull_of_springs, rest, by_angles)
+        np.multiply(self._negative_stiffness, rest, by_angles)
         self._force_by_rates.dot(share, by_previous)
-        self._own_by_rates.dot(rest, by_rates)
+        self._spring_by_rates.dot(rest, by_rates)
         np.subtract(by_rates, by_previous, by_rates)
-        self._is_laid_out = True
+        self._is_assembled = True
 
-    def measure(self, force: Array, bias: Array | None = None) -> None:
+    def set_force(self, force: Array, bias: Array | None = None) -> None:
         """Take f, the generalised force on the joints that is not ours, as the last step's.
 
         `bias` holds the bias forces at the rates for which `force` was measured.
@@ -196,86 +196,97 @@ class SpringLaw:
         self._previous_torques[:] = -force
         self.bias = bias
 
-    def measured(self, bias: Array) -> Array:
+    def measured_force(self, bias: Array) -> Array:
         """Return f as it was in the last step, shape (n,), but for the present bias forces."""
         assert self._mass is not None, "refresh comes first"
-        force: Array = self._state_of_force.dot(self._force)
+        force: Array = self._force_state.dot(self._force_map)
         if self.bias is not None:
             force += self.bias - bias
         return force
 
-    def hold(self, fall: Array, growth: Array, steps: int) -> None:
-        """Carry the last correction on for the steps to come, as `make_hold` does them.
+    def reuse(self, bias_decrease: Array, growth: Array, steps: int) -> None:
+        """Carry the last correction on for the steps to come, as `make_reuse` does them.
 
-        `fall` is how much the bias forces fall in so many steps, shape (n,): the measured force is
-        a step old, too large by what they fall in one. `growth` is how much the correction grows.
+        `bias_decrease` is how much the bias forces bias_decrease in so many steps, shape (n,): the measured force is
+        a step old, too large by what they bias_decrease in one. `growth` is how much the correction grows.
         """
-        if not self._is_laid_out:
-            self._lay_out()
-        rest = self._laid[0]  # what actuation adds to the torques
-        lag = fall / steps
+        if not self._is_assembled:
+            self._assemble_torque_map()
+        rest = self._map_blocks[0]  # what actuation adds to the torques
+        lag = bias_decrease / steps
         ahead = lag + self._at_rest
         ahead += self.correction
-        np.subtract(ahead.dot(rest), lag, self._held)
-        growth.dot(rest, self._growth)
-        self._step_share, self.state[0] = 1 / steps, 0.0
+        np.subtract(ahead.dot(rest), lag, self._constant_row)
+        growth.dot(rest, self._growth_row)
+        self._growth_per_step, self.state[0] = 1 / steps, 0.0
 
-    def make_hold(self, apply: Callable[[list[float]], None]) -> Callable[[], None]:
-        """Return the function that applies the torques of the coming step in most steps.
+    def make_reuse(self, apply: Callable[[list[float]], None]) -> Callable[[], None]:
+        """Return the function that applies the torques of the expected step in most steps.
 
-        After each new mass, `hold` comes before it. All names are bound here, because this is where
+        After each new mass, `reuse` comes before it. All names are bound here, because this is where
         a run spends its time.
         """
-        law, dot, to_torques = self, self.state.dot, self._to_torques
+        law, dot, to_torques = self, self.state.dot, self._torque_map
         torques, tolist = self._torques, self._torques.tolist
         share: Any = self.state[:1].data
-        (rates, applied), (previous_rates, previous_torques) = self._done, self._last
+        (rates, applied), (previous_rates, previous_torques) = (
+            self._present_views,
+            self._previous_views,
+        )
 
-        def hold() -> None:
-            share[0] += law._step_share
+        def apply_reused() -> None:
+            share[0] += law._growth_per_step
             dot(to_torques, torques)
             previous_rates[:] = rates
             previous_torques[:] = applied
             law.bias = None
             apply(tolist())
 
-        return hold
+        return apply_reused
 
     def correct(self, bias: Array, bias_at: Callable[[Array], Array]) -> list[float]:
-        """Return the torques for the coming step, with Coriolis forces at the right instant.
+        """Return the torques for the expected step, with Coriolis forces at the right instant.
 
         `bias` holds the bias forces at the present angles and rates, shape (n,), and
         `bias_at(rates)` gives them at other rates.
         """
         assert self._mass is not None, "refresh comes first"
         rates, torques = self.rates, self._torques
-        own = self._state_of_own.dot(self._own)
-        acceleration = self._response.dot(self.measured(bias) + own)
+        own = self._spring_state.dot(self._spring_map)
+        acceleration = self._response.dot(self.measured_force(bias) + own)
         # a joint that presses on its limit is not about to move, whatever presses it
-        stopping = self._stopping(acceleration)
-        coming = acceleration if stopping is None else acceleration + self._response.dot(stopping)
-        if self.can_be_struck:
-            last, self._last_coming = self._last_coming, coming.copy()
-            coming = (
-                coming if last is None else carried_on(coming, last, SUDDEN / self.time_step**2)
+        limit_torques = self._limit_torques(acceleration)
+        expected = (
+            acceleration
+            if limit_torques is None
+            else acceleration + self._response.dot(limit_torques)
+        )
+        if self.detects_impacts:
+            last, self._last_acceleration = self._last_acceleration, expected.copy()
+            expected = (
+                expected
+                if last is None
+                else limited_change(expected, last, SMOOTH / self.time_step**2)
             )
-        self.correction = bias - bias_at(self._half_step * coming + rates)
+        self.correction = bias - bias_at(self._half_step * expected + rates)
         acceleration += self._response.dot(self.correction)
         own += self.correction
-        stopping = self._stopping(acceleration)
-        if stopping is not None:
-            acceleration += self._response.dot(stopping)
-            own += stopping
+        limit_torques = self._limit_torques(acceleration)
+        if limit_torques is not None:
+            acceleration += self._response.dot(limit_torques)
+            own += limit_torques
         np.subtract(own, self._implicit.dot(acceleration), torques)
-        previous_rates, previous_torques = self._last
-        previous_rates[:], previous_torques[:] = self._done
+        previous_rates, previous_torques = self._previous_views
+        previous_rates[:], previous_torques[:] = self._present_views
         self.bias = bias
         values: list[float] = torques.tolist()
         return values
 
-    def _stopping(self, acceleration: Array) -> Array | None:
+    def _limit_torques(self, acceleration: Array) -> Array | None:
         """Return the torques that stop joints at their limits, None if no joint would pass one."""
-        return None if self.stop is None else self.stop(acceleration, self._response)
+        return (
+            None if self.limit_torques is None else self.limit_torques(acceleration, self._response)
+        )
 
     def rates_of_instant(self) -> Array:
         """Return the rates at the instant of the angles [rad/s], shape (n,), to second order."""
@@ -285,7 +296,7 @@ class SpringLaw:
 
     def acceleration(self, mass: Array, force: Array) -> Array:
         """Return a = (M + B)⁻¹ (f + s) at the present state, shape (n,) [rad/s²]."""
-        damping, implicit = self.parts.of(mass)
+        damping, implicit = self.coefficients.matrices(mass)
         springs = self.springs.stiffness * (self.angles - self.springs.neutral)
         s = self.actuation - springs - damping @ self.rates
         return np.asarray(np.linalg.solve(mass + implicit, force + s), dtype=np.float64)

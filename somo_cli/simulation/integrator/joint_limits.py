@@ -15,11 +15,11 @@ import numpy as np
 from somo_cli.arrays import Array
 from somo_cli.manipulator.chain import Joint
 
-RECOVERY = 0.2  # of how far a joint is beyond its limit, in each step; as the engine's own
+LIMIT_ERP = 0.2  # of how far a joint is beyond its limit, in each step; as the engine's own
 BLOCK_PIVOTS = 8  # at once, before they are taken one by one, which cannot go round in circles
 
 
-class Stops:
+class JointLimits:
     """Limits [rad] of the joints of a chain, infinite where there are none."""
 
     def __init__(self, joints: Sequence[Joint]) -> None:
@@ -27,7 +27,7 @@ class Stops:
         self.lower: Array = np.where(limited, [joint.lower for joint in joints], -np.inf)
         self.upper: Array = np.where(limited, [joint.upper for joint in joints], np.inf)
 
-    def room(self, angles: Array) -> float:
+    def clearance(self, angles: Array) -> float:
         """Return how far the joint that is nearest to a limit is from it [rad]."""
         return float(np.minimum(self.upper - angles, angles - self.lower).min())
 
@@ -43,13 +43,13 @@ class Stops:
         coming = time_step * (rates + time_step * acceleration)
         if not np.minimum(above - coming, coming - below).min() < 0:
             return None
-        np.multiply(above, RECOVERY, out=above, where=above < 0)
-        np.multiply(below, RECOVERY, out=below, where=below > 0)
-        highest, lowest = ((turn / time_step - rates) / time_step for turn in (above, below))
-        return least_torques(acceleration, response, lowest, highest)
+        np.multiply(above, LIMIT_ERP, out=above, where=above < 0)
+        np.multiply(below, LIMIT_ERP, out=below, where=below > 0)
+        highest, lowest = ((angle / time_step - rates) / time_step for angle in (above, below))
+        return limit_torques(acceleration, response, lowest, highest)
 
 
-def least_torques(acceleration: Array, response: Array, lowest: Array, highest: Array) -> Array:
+def limit_torques(acceleration: Array, response: Array, lowest: Array, highest: Array) -> Array:
     """Return torques t, (n,), that bring a + R t between two bounds and act at bounds only.
 
     R is positive definite, so there is one answer. By pivoting: Cottle, Pang, Stone, The Linear

@@ -10,47 +10,47 @@ from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.scene.prescribed_motion import PosePath
-from somo_cli.simulation.engine.interface import WorldMovedThing
-from somo_cli.simulation.integrator.motion_work_bound import Allowance
-from somo_cli.simulation.plan.model import Plan, PlannedThing
+from somo_cli.simulation.engine.interface import WorldKinematicObject
+from somo_cli.simulation.integrator.motion_work_bound import MotionWorkBound
+from somo_cli.simulation.plan.model import Plan, PlannedObject
 
 
-class ThingMover:
-    """One moved object; `thing` is what the engine has of it, `met` tells the force on it."""
+class KinematicObjectStepper:
+    """One moved object; `world_object` is what the engine has of it, `contact_force` tells the force on it."""
 
     def __init__(
         self,
         plan: Plan,
-        planned: PlannedThing,
+        planned: PlannedObject,
         path: PosePath,
-        thing: WorldMovedThing,
-        met: Callable[[], Sequence[float]],
+        world_object: WorldKinematicObject,
+        contact_force: Callable[[], Sequence[float]],
     ) -> None:
         self._path = path
-        self._thing = thing
-        self._met = met
+        self._object = world_object
+        self._contact_force = contact_force
         self._step = plan.time_step
         self._time = -1.0
         self._goal = path.at(0.0)
         self._velocity: Array = np.zeros(6)
         self._steps_at_rest = 0  # that were told, in a row
-        self._allowance = Allowance(plan, planned.thing.chain)
-        self._given = 0.0
+        self._work_bound = MotionWorkBound(plan, planned.rigid_object.chain)
+        self._energy_bound = 0.0
 
     def actuate(self, time: float) -> None:
         """Have the object follow its path in the step that starts at a time [s]."""
         if time != self._time:  # time zero comes twice: the start is tried before the run
             goal = self._path.at(time + self._step)
-            velocity = self._between(self._goal, goal)
-            self._allowance.advance(self._velocity, velocity)
+            velocity = self._velocity_between(self._goal, goal)
+            self._work_bound.advance(self._velocity, velocity)
             self._time, self._goal, self._velocity = time, goal, velocity
             self._steps_at_rest = 0 if velocity.any() else self._steps_at_rest + 1
         # the first step at rest makes good what the last move missed; told so anew, an object at
         # rest would be moved by rounding, wherever a row happens to fall
         if self._steps_at_rest < 2:
-            self._thing.move_to(self._goal, self._step)
+            self._object.move_to(self._goal, self._step)
         elif self._steps_at_rest == 2:
-            self._thing.rest()
+            self._object.hold_pose()
 
     def constant_until(self, time: float) -> float:
         """Return the time [s] up to which `actuate` changes nothing after `time`."""
@@ -58,12 +58,12 @@ class ThingMover:
             return time
         return self._path.stationary_until(time, self._step)
 
-    def given(self) -> float:
+    def energy_bound(self) -> float:
         """Return a bound on the energy that the object can have given by now."""
-        self._given += self._allowance.by_contact(self._met())
-        return self._given
+        self._energy_bound += self._work_bound.contact_work(self._contact_force())
+        return self._energy_bound
 
-    def _between(self, first: Pose, second: Pose) -> Array:
+    def _velocity_between(self, first: Pose, second: Pose) -> Array:
         turn = geometry.multiply(second.rotation, geometry.transposed(first.rotation))
         way = geometry.subtract(second.position, first.position)
         return np.array([*geometry.rotation_vector(turn), *way]) / self._step

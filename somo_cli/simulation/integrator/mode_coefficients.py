@@ -9,51 +9,51 @@ import numpy as np
 
 from somo_cli.arrays import Array, invert
 from somo_cli.scene.model import Integrator
-from somo_cli.simulation.plan.joint_springs import Springs
+from somo_cli.simulation.plan.joint_springs import JointSprings
 
 BETA = 1 / 12  # of the spring in modes that the step resolves; Cowell's method
-STIFF = 5 / 12  # what is added to it in modes that the step does not resolve: 1/2 in all
-DAMPER = 1 / 12  # of x² in B: Padé
-FILTER = 0.02  # ε: modes with h ω beyond 1/√ε are damped by the method
+STIFF_BETA = 5 / 12  # what is added to it in modes that the step does not resolve: 1/2 in all
+PADE_COEFFICIENT = 1 / 12  # of x² in B: Padé
+FILTER_EPSILON = 0.02  # ε: modes with h ω beyond 1/√ε are damped by the method
 
 
-class ImplicitParts:
-    """Makes D + N and B; `damping` is D, `centred` what of B no inertia changes, both (n, n)."""
+class ModeCoefficients:
+    """Makes D + N and B; `damping` is D, `constant_implicit` what of B no inertia changes, both (n, n)."""
 
-    def __init__(self, springs: Springs, time_step: float, integrator: Integrator) -> None:
+    def __init__(self, springs: JointSprings, time_step: float, integrator: Integrator) -> None:
         self._springs = springs
         self._time_step = time_step
         self._integrator = integrator
         # as an array, which numpy multiplies by in half of the time that it takes to read a number
         self._half_step: Array = np.array(0.5 * time_step)
-        self._pendulum: tuple[Array, Array] | None = None  # of D + N and of B; None if resolved
+        self._gravity: tuple[Array, Array] | None = None  # of D + N and of B; None if resolved
         self._prepare()
 
-    def of(self, mass: Array) -> tuple[Array, Array]:
+    def matrices(self, mass: Array) -> tuple[Array, Array]:
         """Return D + N [N·m·s/rad] and B [kg·m²] for an inertia M, all of shape (n, n)."""
         if self._integrator == "implicit":
             # the two resolvents at once, because numpy's calls cost more than their work
-            resolvents = invert(mass + self._shares)
-            resolvents *= self._products
+            resolvents = invert(mass + self._inverse_offsets)
+            resolvents *= self._outer_products
             numerical, stiff = resolvents
             damping = self.damping + numerical
-            implicit = self.centred + self._half_step * numerical
+            implicit = self.constant_implicit + self._half_step * numerical
             implicit += stiff
         else:
-            damping, implicit = self.damping, self.centred
-        if self._pendulum is not None:
-            damping = damping + self._pendulum[0]
-            implicit = implicit + self._pendulum[1]
+            damping, implicit = self.damping, self.constant_implicit
+        if self._gravity is not None:
+            damping = damping + self._gravity[0]
+            implicit = implicit + self._gravity[1]
         return damping, implicit
 
-    def take_pendulum(self, stiffness: Array, mass: Array) -> None:
+    def set_gravity_stiffness(self, stiffness: Array, mass: Array) -> None:
         """Take the positive part of gravity's stiffness G, shape (n, n), from the next M on."""
         h = self._time_step
         numerical = h * stiffness
         if self._integrator == "implicit":
-            share = FILTER * h * h * stiffness
+            share = FILTER_EPSILON * h * h * stiffness
             numerical = numerical @ np.linalg.solve(mass + share, share)
-        self._pendulum = numerical, 0.5 * h * (numerical + h * stiffness)
+        self._gravity = numerical, 0.5 * h * (numerical + h * stiffness)
 
     def _prepare(self) -> None:
         """Lay down what of D + N and B no inertia changes.
@@ -63,13 +63,13 @@ class ImplicitParts:
         """
         h, k, d = self._time_step, self._springs.stiffness, self._springs.damping
         self.damping: Array = np.diag(d + h * k if self._integrator == "euler" else d)
-        self.centred: Array = np.zeros_like(self.damping)
+        self.constant_implicit: Array = np.zeros_like(self.damping)
         if self._integrator == "euler":
-            self.centred = h * self.damping
+            self.constant_implicit = h * self.damping
         elif self._integrator == "implicit":
-            self.centred = np.diag(BETA * h * h * k + 0.5 * h * d)
+            self.constant_implicit = np.diag(BETA * h * h * k + 0.5 * h * d)
         # from P M⁻¹ P / 12 in slow modes to P / 2 in stiff ones: the other halves of h D and h² K
-        p = h * d + 2 * STIFF * h * h * k
-        pairs = ((h * k, FILTER * h * h * k), (0.5 * p, 2 * DAMPER * p))
-        self._shares: Array = np.array([np.diag(share) for _, share in pairs])
-        self._products: Array = np.array([np.outer(outer, share) for outer, share in pairs])
+        p = h * d + 2 * STIFF_BETA * h * h * k
+        pairs = ((h * k, FILTER_EPSILON * h * h * k), (0.5 * p, 2 * PADE_COEFFICIENT * p))
+        self._inverse_offsets: Array = np.array([np.diag(share) for _, share in pairs])
+        self._outer_products: Array = np.array([np.outer(outer, share) for outer, share in pairs])

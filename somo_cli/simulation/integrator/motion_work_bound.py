@@ -17,7 +17,7 @@ from somo_cli.manipulator.kinematics import ways
 from somo_cli.simulation.plan.model import Plan
 
 
-class Allowance:
+class MotionWorkBound:
     """Bounds on the energy that one moved frame has put in since it was last asked; engine units.
 
     `reach` is how far a point that the frame leads can be from its origin.
@@ -32,51 +32,51 @@ class Allowance:
         self._all_mass = sum(
             link.inertial.mass for body in plan.bodies for link in body.chain.links
         ) + sum(
-            planned.thing.chain.links[0].inertial.mass
+            planned.rigid_object.chain.links[0].inertial.mass
             for planned in plan.objects
-            if not planned.thing.has_prescribed_pose
+            if not planned.rigid_object.has_prescribed_pose
         )
-        self._shaken = self._turned = self._way = self._fastest = 0.0
-        self._has_met = False
+        self._velocity_change = self._rotation = self._path_length = self._max_speed = 0.0
+        self._was_in_contact = False
 
     def advance(self, before: Array, after: Array) -> None:
         """Take the velocity, (6,), spin first, of the last step and of the coming one."""
         spin = float(np.linalg.norm(after[:3]))
         speed = float(np.linalg.norm(after[3:])) + self._reach * spin
         change = after - before
-        self._shaken += float(np.linalg.norm(change[3:]))
-        self._shaken += self._reach * float(np.linalg.norm(change[:3]))
-        self._shaken += self._reach * spin**2 * self._step
-        self._turned += spin * self._step
-        self._way += speed * self._step
-        self._fastest = max(self._fastest, speed)
+        self._velocity_change += float(np.linalg.norm(change[3:]))
+        self._velocity_change += self._reach * float(np.linalg.norm(change[:3]))
+        self._velocity_change += self._reach * spin**2 * self._step
+        self._rotation += spin * self._step
+        self._path_length += speed * self._step
+        self._max_speed = max(self._max_speed, speed)
 
-    def in_frame(self, energy: float) -> float:
+    def frame_work(self, energy: float) -> float:
         """Return what acceleration and the turning of gravity can have done in the moved frame.
 
         `energy` is the most that the joints had there meanwhile. With speeds v_i in the frame and
         no point accelerated by more than a, the power is at most sum m_i a v_i <= a sqrt(2 m E):
         Cauchy and Schwarz. Coriolis forces do no work.
         """
-        pull = self._shaken * math.sqrt(2 * self._mass * energy)
-        pull += 0.5 * self._mass * self._shaken**2
-        fall = self._weight * self._mass * self._reach * self._turned
-        self._shaken = self._turned = 0.0
-        return pull + fall
+        work = self._velocity_change * math.sqrt(2 * self._mass * energy)
+        work += 0.5 * self._mass * self._velocity_change**2
+        gravity_work = self._weight * self._mass * self._reach * self._rotation
+        self._velocity_change = self._rotation = 0.0
+        return work + gravity_work
 
-    def by_contact(self, force: Sequence[float]) -> float:
+    def contact_work(self, force: Sequence[float]) -> float:
         """Return what the frame can have done by pushing: force, and sum of normal forces.
 
         That is force times way; and whenever contact begins, what it takes to throw all there is
         ahead at twice the speed, since a blow may fall between two looks.
         """
         x, y, z, normal = force
-        pressed = math.hypot(x, y, z) + normal
-        work = pressed * self._way
-        if pressed > 0 and not self._has_met:
-            work += 2 * self._all_mass * self._fastest**2
-        self._has_met = pressed > 0
-        self._way = 0.0
+        contact_force = math.hypot(x, y, z) + normal
+        work = contact_force * self._path_length
+        if contact_force > 0 and not self._was_in_contact:
+            work += 2 * self._all_mass * self._max_speed**2
+        self._was_in_contact = contact_force > 0
+        self._path_length = 0.0
         return work
 
 

@@ -13,95 +13,101 @@ from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import EngineRefused
 from somo_cli.scene.prescribed_motion import PosePath
 from somo_cli.simulation.dynamics.chain_dynamics import ChainPose
-from somo_cli.simulation.engine.interface import WorldMovedBody
-from somo_cli.simulation.integrator.body_stepper import Runner
-from somo_cli.simulation.integrator.motion_work_bound import Allowance
-from somo_cli.simulation.integrator.refresh_policy import STEPS_BETWEEN_LOOKS
+from somo_cli.simulation.engine.interface import WorldPrescribedBody
+from somo_cli.simulation.integrator.body_stepper import BodyStepper
+from somo_cli.simulation.integrator.motion_work_bound import MotionWorkBound
+from somo_cli.simulation.integrator.refresh_policy import MONITORING_INTERVAL
 from somo_cli.simulation.plan.model import Body, Plan
 
 TURN = 0.3  # rad in a step: the engine is asked for five times as much, and reads angles by asin
 
 
-class MovedRunner(Runner):
-    """One body with a moved base; see `Runner`.
+class PrescribedBaseStepper(BodyStepper):
+    """One body with a moved base; see `BodyStepper`.
 
     The base is where its path says at every step, so its velocity at half steps is the difference
     of two poses over the step, and its acceleration that of two velocities. Both are known before
     the step: what the joints feel of them need not be measured, it is part of the bias. The body
-    starts with the velocity of its path. `met` tells the force of all that touches the body.
+    starts with the velocity of its path. `contact_force` tells the force of all that touches the body.
     """
 
     def __init__(
         self,
         plan: Plan,
         body: Body,
-        world_body: WorldMovedBody,
+        world_body: WorldPrescribedBody,
         path: PosePath,
-        met: Callable[[], Sequence[float]],
+        contact_force: Callable[[], Sequence[float]],
     ) -> None:
         self._path = path
-        self._met = met
-        self._moved = world_body
+        self._contact_force = contact_force
+        self._prescribed_body = world_body
         self._step = plan.time_step
         self._time = -1.0
-        self._is_held = False  # whether the base was told to stay where it is
+        self._is_base_held = False  # whether the base was told to stay where it is
         self._centre = body.chain.links[0].inertial.centre
         self._goal = path.at(0.0)
         # of the base in the last step and in the coming one, shape (6,): spin, then velocity of
         # its centre of mass, in the world
-        self._before = self._after = self._between(
+        self._last_velocity = self._next_velocity = self._velocity_between(
             path.pose_before_start(plan.time_step), self._goal
         )
-        self._start_velocity = geometry.vector(self._after[3:]), geometry.vector(self._after[:3])
-        self._allowance = Allowance(plan, body.chain)
-        self._looks_at_rest = 0
+        self._start_velocity = (
+            geometry.vector(self._next_velocity[3:]),
+            geometry.vector(self._next_velocity[:3]),
+        )
+        self._work_bound = MotionWorkBound(plan, body.chain)
+        self._checks_at_rest = 0
         self._last_energy = 0.0
         super().__init__(plan, body, world_body)
-        self.go_to_start()
+        self.reset_to_start()
 
     def actuate(self, time: float) -> None:
         """Set the actuation of a time [s], and have the base follow its path in the next step."""
         super().actuate(time)
         if time != self._time:  # time zero comes twice: the start is tried before the run
             goal = self._path.at(time + self._step)
-            self._before, self._after = self._after, self._between(self._goal, goal)
+            self._last_velocity, self._next_velocity = (
+                self._next_velocity,
+                self._velocity_between(self._goal, goal),
+            )
             self._time, self._goal = time, goal
-            self._refuse_to_whirl()
-            self._allowance.advance(self._before, self._after)
-        is_at_rest = not self._after.any()
+            self._check_turn()
+            self._work_bound.advance(self._last_velocity, self._next_velocity)
+        is_at_rest = not self._next_velocity.any()
         # told anew, a base at rest would be moved by rounding, wherever a row happens to fall
-        if not (is_at_rest and self._is_held):
-            self._moved.move_base(self._goal, is_at_rest)
-        self._is_held = is_at_rest
+        if not (is_at_rest and self._is_base_held):
+            self._prescribed_body.move_base(self._goal, is_at_rest)
+        self._is_base_held = is_at_rest
 
     def constant_until(self, time: float) -> float:
         """Return the time [s] up to which `actuate` changes nothing after `time`."""
-        if self._before.any() or self._after.any():
+        if self._last_velocity.any() or self._next_velocity.any():
             return time  # a base that is to rest from now on has come to rest one step later
         return min(super().constant_until(time), self._path.stationary_until(time, self._step))
 
-    def begin(self, force: Array, rates: Array) -> None:
+    def set_start_force(self, force: Array, rates: Array) -> None:
         """Take the force on the joints that was measured at the start, at these rates."""
-        spin = self._before[:3].tolist()
+        spin = self._last_velocity[:3].tolist()
         bias = self.world_body.bias(self.law.angles.tolist(), rates.tolist(), spin)
-        self.law.measure(force, bias + self._pull())
+        self.law.set_force(force, bias + self._base_torques())
 
-    def go_to_start(
+    def reset_to_start(
         self,
         rates: Sequence[float] | None = None,
         base_velocity: tuple[Vector, Vector] | None = None,
     ) -> None:
         """Put the body back to its start, the base as fast as it was half a step before."""
-        super().go_to_start(rates, self._start_velocity)
+        super().reset_to_start(rates, self._start_velocity)
 
-    def _between(self, first: Pose, second: Pose) -> Array:
+    def _velocity_between(self, first: Pose, second: Pose) -> Array:
         """Return the velocity that leads from one pose of the base to the next in a step."""
         turn = geometry.multiply(second.rotation, geometry.transposed(first.rotation))
         way = geometry.subtract(second.point(self._centre), first.point(self._centre))
         return np.array([*geometry.rotation_vector(turn), *way]) / self._step
 
-    def _refuse_to_whirl(self) -> None:
-        turn = float(np.linalg.norm(self._after[:3])) * self._step
+    def _check_turn(self) -> None:
+        turn = float(np.linalg.norm(self._next_velocity[:3])) * self._step
         if turn > TURN:
             raise EngineRefused(
                 self.body.name,
@@ -109,39 +115,42 @@ class MovedRunner(Runner):
                 f"the engine can follow {TURN:g}; take a smaller time step",
             )
 
-    def _pull(self) -> Array:
+    def _base_torques(self) -> Array:
         """Return the joint torques that the coming acceleration of the base asks for."""
-        return self._moved.pull_of_base((self._after - self._before) / self._step)
+        return self._prescribed_body.base_acceleration_torques(
+            (self._next_velocity - self._last_velocity) / self._step
+        )
 
     def _pose(self) -> ChainPose:
         return self.dynamics().at(self.law.angles, self.world_body.base_pose())
 
-    def _steps_to_hold(self, change: Array) -> int:
-        is_at_rest = not (self._before.any() or self._after.any())
-        self._looks_at_rest = self._looks_at_rest + 1 if is_at_rest else 0
-        next_look = self._time + STEPS_BETWEEN_LOOKS * self._step
-        is_held = self._path.stationary_until(self._time, self._step) > next_look
-        return super()._steps_to_hold(change) if self._looks_at_rest > 1 and is_held else 1
+    def _reuse_steps(self, change: Array) -> int:
+        is_at_rest = not (self._last_velocity.any() or self._next_velocity.any())
+        self._checks_at_rest = self._checks_at_rest + 1 if is_at_rest else 0
+        next_check = self._time + MONITORING_INTERVAL * self._step
+        is_resting = self._path.stationary_until(self._time, self._step) > next_check
+        return super()._reuse_steps(change) if self._checks_at_rest > 1 and is_resting else 1
 
-    def _push_corrected(self) -> None:
+    def _apply_corrected(self) -> None:
         law, world = self.law, self.world_body
         angles = law.angles.tolist()
         # at the instant of the angles the base is half a step on
-        spin = (0.5 * (self._before[:3] + self._after[:3])).tolist()
-        pull = self._pull()
-        centre = world.centre_pose()
-        present = world.bias(angles, law.rates.tolist(), self._before[:3].tolist(), centre)
+        spin = (0.5 * (self._last_velocity[:3] + self._next_velocity[:3])).tolist()
+        base_torques = self._base_torques()
+        centre = world.base_inertial_pose()
+        present = world.bias(angles, law.rates.tolist(), self._last_velocity[:3].tolist(), centre)
         if law.bias is None:  # the last step was one of a base at rest
             law.bias = present
         torques = law.correct(
-            present + pull, lambda rates: world.bias(angles, rates.tolist(), spin, centre) + pull
+            present + base_torques,
+            lambda rates: world.bias(angles, rates.tolist(), spin, centre) + base_torques,
         )
         world.apply(torques)
 
-    def _account(self) -> None:
-        super()._account()  # in the frame of the base
+    def _update_energy(self) -> None:
+        super()._update_energy()  # in the frame of the base
         energy = self.energy
-        energy.allow(self._allowance.in_frame(max(energy.present, self._last_energy)))
+        energy.add_energy(self._work_bound.frame_work(max(energy.present, self._last_energy)))
         self._last_energy = energy.present
-        if self._allowance.can_touch:
-            energy.allow(self._allowance.by_contact(self._met()))
+        if self._work_bound.can_touch:
+            energy.add_energy(self._work_bound.contact_work(self._contact_force()))

@@ -8,9 +8,9 @@ from typing import Literal, TextIO, TypeAlias
 
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.scene.contact_surface import GROUND_NAME
-from somo_cli.simulation.engine.contacts import Place, Touch
+from somo_cli.simulation.engine.contacts import ContactPoint, LinkIndex
 from somo_cli.simulation.plan.model import Plan
-from somo_cli.simulation.plan.units import Units, units_of
+from somo_cli.simulation.plan.units import UnitFactors, unit_factors_of
 
 COLUMNS = (
     "time_s",
@@ -26,7 +26,7 @@ COLUMNS = (
     "impulse_ns",
 )
 
-Pair: TypeAlias = tuple[Place, Place]
+Pair: TypeAlias = tuple[LinkIndex, LinkIndex]
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +62,7 @@ class ContactMonitor:
         self._on_event = on_event
         self._present: dict[Pair, _OngoingContact] = {}
 
-    def update(self, step: int, touches: Sequence[Touch]) -> None:
+    def update(self, step: int, touches: Sequence[ContactPoint]) -> None:
         """Tell what has changed in the step that led to `step`, in the order of the pairs.
 
         A contact is there in the steps in which it presses: points that the engine keeps near
@@ -87,10 +87,10 @@ class ContactMonitor:
                 one.impulse += last.impulse
         self._present = now
 
-    def _pressing_contacts(self, touches: Sequence[Touch]) -> dict[Pair, _OngoingContact]:
+    def _pressing_contacts(self, touches: Sequence[ContactPoint]) -> dict[Pair, _OngoingContact]:
         found: dict[Pair, _OngoingContact] = {}
         for touch in touches:
-            force = touch.pressed
+            force = touch.normal_force
             if force <= 0:
                 continue
             first, second = touch.first, touch.second
@@ -114,12 +114,12 @@ class ContactEventWriter:
 
     def __init__(self, stream: TextIO, plan: Plan) -> None:
         self._stream = stream
-        self._units: Units = units_of(plan)
+        self._units: UnitFactors = unit_factors_of(plan)
         self._time_step = plan.time_step
         self._names = plan.recorded.names
         self._links = [
             *([link.name for link in body.chain.links] for body in plan.bodies),
-            *([link.name for link in planned.thing.chain.links] for planned in plan.objects),
+            *([link.name for link in planned.rigid_object.chain.links] for planned in plan.objects),
             [GROUND_NAME],
         ]
         self.events = 0

@@ -36,8 +36,8 @@ class BodyInMotion(Protocol):
         """What energy it has, and may have."""
 
     @property
-    def fastest(self) -> float:
-        """The rate of its fastest joint [rad/s]."""
+    def max_rate(self) -> float:
+        """The rate of its max_rate joint [rad/s]."""
 
     @property
     def mass(self) -> Array:
@@ -96,12 +96,12 @@ class DivergenceMonitor:
     def count_valid_rows(self, histories: Sequence[StateHistory]) -> int:
         """Return how many rows come before the first to be refused; histories of all bodies."""
         rows = len(histories[0].masses)
-        present, fastest = np.zeros(rows), np.zeros(rows)
+        present, max_rate = np.zeros(rows), np.zeros(rows)
         for one, history in zip(self._bodies, histories, strict=True):
-            present += one.energy.of(history.angles, history.rates, history.masses)
-            np.maximum(fastest, np.abs(history.rates).max(axis=1), out=fastest)
+            present += one.energy.energies(history.angles, history.rates, history.masses)
+            np.maximum(max_rate, np.abs(history.rates).max(axis=1), out=max_rate)
         bound = _bound(self._plan, self._bodies, self._object_energy)
-        is_valid = (fastest < MAX_ANGLE_PER_STEP / self._plan.time_step) & (present <= bound)
+        is_valid = (max_rate < MAX_ANGLE_PER_STEP / self._plan.time_step) & (present <= bound)
         return rows if is_valid.all() else int(is_valid.argmin())
 
     def raise_diverged(self, step: int, histories: Sequence[StateHistory], row: int) -> NoReturn:
@@ -126,7 +126,7 @@ def check(
     """
     limit = MAX_ANGLE_PER_STEP / plan.time_step
     present = sum(one.energy.present for one in bodies)
-    is_fast = not all(one.fastest < limit for one in bodies)
+    is_fast = not all(one.max_rate < limit for one in bodies)
     if is_fast or not present <= _bound(plan, bodies, object_energy):
         _raise_diverged(step, plan, bodies)
 
@@ -142,7 +142,7 @@ def _bound(plan: Plan, bodies: Sequence[BodyInMotion], object_energy: float) -> 
 class _RowState:
     body: Body
     energy: BodyEnergy
-    fastest: float
+    max_rate: float
     mass: Array
     mass_at_start: Array
     rates: Array
@@ -157,7 +157,7 @@ def _state_in_row(one: BodyInMotion, history: StateHistory, row: int) -> _RowSta
 
 def _raise_diverged(step: int, plan: Plan, bodies: Sequence[BodyInMotion]) -> NoReturn:
     fast = next(
-        (one for one in bodies if not one.fastest * plan.time_step < MAX_ANGLE_PER_STEP), None
+        (one for one in bodies if not one.max_rate * plan.time_step < MAX_ANGLE_PER_STEP), None
     )
     if fast is not None:
         culprit = fast
@@ -166,7 +166,7 @@ def _raise_diverged(step: int, plan: Plan, bodies: Sequence[BodyInMotion]) -> No
         reason = f"it turns {angle:.3g} rad in one step"
     else:
         culprit = max(bodies, key=lambda one: one.energy.present)
-        joint = _index_of_largest(culprit.energy.by_joint(culprit.rates, culprit.mass))
+        joint = _index_of_largest(culprit.energy.joint_shares(culprit.rates, culprit.mass))
         available = sum(max(one.energy.bound, one.energy.floor) for one in bodies)
         present = sum(one.energy.present for one in bodies)
         reason = f"the energy is {present / available:.3g} times what was put in"

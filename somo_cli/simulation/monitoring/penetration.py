@@ -50,7 +50,7 @@ class PenetrationMonitor:
         self._time_step = plan.time_step
         self._metre = plan.scale.factor(Dimension(length=1))
         links = [body.chain.links for body in plan.bodies]
-        links += [planned.thing.chain.links for planned in plan.objects]
+        links += [planned.rigid_object.chain.links for planned in plan.objects]
         self._thickness = [[_thickness(link) for link in chain] for chain in links]
         self._names = plan.recorded.names
 

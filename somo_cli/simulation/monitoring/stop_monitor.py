@@ -17,10 +17,10 @@ from somo_cli.scene.stop_conditions import (
     StopCondition,
     StopOutsideBox,
 )
-from somo_cli.simulation.engine.interface import World, WorldThing
-from somo_cli.simulation.integrator.body_stepper import Runner
+from somo_cli.simulation.engine.interface import World, WorldObject
+from somo_cli.simulation.integrator.body_stepper import BodyStepper
 from somo_cli.simulation.plan.model import Plan
-from somo_cli.simulation.plan.units import units_of
+from somo_cli.simulation.plan.units import unit_factors_of
 
 _STEP_TOLERANCE = 1e-9  # of a step: what rounding may put a time behind the step that stands for it
 
@@ -42,7 +42,9 @@ class StopMonitor:
     Times are exact: they bound the number of steps.
     """
 
-    def __init__(self, plan: Plan, world: World, runners: Sequence[Runner], steps: int) -> None:
+    def __init__(
+        self, plan: Plan, world: World, body_steppers: Sequence[BodyStepper], steps: int
+    ) -> None:
         times = [
             (_stop_step(stop, plan), number, stop)
             for number, stop in enumerate(plan.stop_conditions)
@@ -60,7 +62,7 @@ class StopMonitor:
             None,
         )
         self._conditions = [
-            (number, _condition(stop, plan, world, runners))
+            (number, _condition(stop, plan, world, body_steppers))
             for number, stop in enumerate(plan.stop_conditions)
             if not isinstance(stop, StopAtTime)
         ]
@@ -83,18 +85,18 @@ def _stop_step(stop: StopAtTime, plan: Plan) -> int:
 
 
 def _condition(
-    stop: StopCondition, plan: Plan, world: World, runners: Sequence[Runner]
+    stop: StopCondition, plan: Plan, world: World, body_steppers: Sequence[BodyStepper]
 ) -> ConditionCheck:
     if isinstance(stop, StopOutsideBox):
-        names = [planned.thing.name for planned in plan.objects]
+        names = [planned.rigid_object.name for planned in plan.objects]
         thing = world.objects[names.index(stop.object_name)]
-        return partial(_reason_outside_bounds, stop, thing, units_of(plan).length)
+        return partial(_reason_outside_bounds, stop, thing, unit_factors_of(plan).length)
     assert isinstance(stop, StopAtRest)
-    return _RestCondition(stop, plan, world, runners).condition
+    return _RestCondition(stop, plan, world, body_steppers).condition
 
 
 def _reason_outside_bounds(
-    stop: StopOutsideBox, thing: WorldThing, length: float, time: float
+    stop: StopOutsideBox, thing: WorldObject, length: float, time: float
 ) -> str | None:
     position = thing.pose().position
     for axis, low, value, high in zip(AXIS_NAMES, stop.lower, position, stop.upper, strict=True):
@@ -110,19 +112,19 @@ class _RestCondition:
     """Counts for how long everything has been slow."""
 
     def __init__(
-        self, stop: StopAtRest, plan: Plan, world: World, runners: Sequence[Runner]
+        self, stop: StopAtRest, plan: Plan, world: World, body_steppers: Sequence[BodyStepper]
     ) -> None:
         self._stop = stop
-        self._runners = runners
+        self._body_steppers = body_steppers
         self._velocities: list[Callable[[], tuple[Vector, Vector]]] = [
-            runner.world_body.base_velocity
-            for runner in runners
-            if runner.body.base == "free" or runner.body.path is not None
+            body_stepper.world_body.base_velocity
+            for body_stepper in body_steppers
+            if body_stepper.body.base == "free" or body_stepper.body.path is not None
         ]
         self._velocities += [
             thing.velocity
             for thing, planned in zip(world.objects, plan.objects, strict=True)
-            if not planned.thing.is_fixed
+            if not planned.rigid_object.is_fixed
         ]
         self._slow_since: float | None = None
 
@@ -140,7 +142,7 @@ class _RestCondition:
 
     def _is_slow(self) -> bool:
         stop = self._stop
-        if not all(runner.fastest < stop.rate for runner in self._runners):
+        if not all(body_stepper.max_rate < stop.rate for body_stepper in self._body_steppers):
             return False
         velocities = [velocity() for velocity in self._velocities]
         return all(

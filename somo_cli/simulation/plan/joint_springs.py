@@ -8,7 +8,7 @@ from somo_cli.arrays import Array
 
 
 @dataclass(frozen=True, slots=True)
-class Springs:
+class JointSprings:
     """Stiffness [N·m/rad], damping [N·m·s/rad] and neutral angle [rad] of every joint, shape (n,).
 
     In the units of the engine.

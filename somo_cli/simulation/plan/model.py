@@ -25,13 +25,13 @@ from somo_cli.scene.compound import Compound
 from somo_cli.scene.contact_surface import ContactSurface, Ground, ManipulatorSurfaces
 from somo_cli.scene.model import (
     Base,
+    ExternalLoad,
     Frame,
     Integrator,
     Manipulator,
     Quantity,
     Scene,
 )
-from somo_cli.scene.model import ExternalLoad as LoadOfScene
 from somo_cli.scene.placement import with_heights
 from somo_cli.scene.prescribed_motion import PosePath, PrescribedMotion
 from somo_cli.scene.rigid_object import ObjectQuantity, RigidObject
@@ -42,7 +42,7 @@ TORQUE = Dimension(mass=1, length=2, time=-2)
 
 
 @dataclass(frozen=True, slots=True)
-class Drive:
+class ActuatorTorque:
     """A torque over time [engine units] and the joints of one body that it acts on."""
 
     actuator: int
@@ -52,7 +52,7 @@ class Drive:
 
 
 @dataclass(frozen=True, slots=True)
-class Load:
+class PlannedLoad:
     """A force and a moment on one link of a body [engine units], times a factor over time.
 
     `link` counts the links of the chain; point and frame are as in the scene.
@@ -67,7 +67,7 @@ class Load:
 
 
 @dataclass(frozen=True, slots=True)
-class Start:
+class InitialState:
     """Pose and motion of a body at time zero, in engine units; the base frame's, in the world."""
 
     position: tuple[Length, Length, Length]
@@ -95,27 +95,27 @@ class Body:
     base: Base
     chain: Chain
     urdf: str
-    start: Start
-    drives: tuple[Drive, ...]
-    loads: tuple[Load, ...]
+    start: InitialState
+    drives: tuple[ActuatorTorque, ...]
+    loads: tuple[PlannedLoad, ...]
     surfaces: ManipulatorSurfaces
     has_self_collision: bool
     path: PosePath | None = None
     """Where the base is at every time, if it is moved."""
     has_engine_limits: bool = True
     """Whether the engine knows the limits of joints, as the law always does."""
-    has_idle_motors: bool = False
+    has_zero_torque_motors: bool = False
     """Whether joints without dry friction have a row of the solver as well, of no effect."""
 
 
 @dataclass(frozen=True, slots=True)
-class PlannedThing:
+class PlannedObject:
     """One object, ready to load: in engine units, the URDF of it, or a compound instead.
 
     With its path if it is moved.
     """
 
-    thing: RigidObject
+    rigid_object: RigidObject
     urdf: str
     compound: Compound | None = None
     path: PosePath | None = None
@@ -133,15 +133,15 @@ class Plan:
     every: int
     columns: tuple[Quantity, ...]
     ground: Ground | None
-    objects: tuple[PlannedThing, ...]
+    objects: tuple[PlannedObject, ...]
     object_quantities: tuple[ObjectQuantity, ...]
     can_touch: bool
     """Whether there is anything within reach that a body could touch, itself included."""
     only: tuple[str, ...] = ()
     stop_conditions: tuple[StopCondition, ...] = ()
-    ends_in_row: bool = False
+    records_last_step: bool = False
     """Whether the last step is recorded wherever it falls; so where a stop may end the run."""
-    keeps_everything: bool = False
+    keeps_unused: bool = False
     """Whether shapes are loaded, rows are solved and state is read that no result needs."""
 
     @property
@@ -149,7 +149,7 @@ class Plan:
         """What is recorded, and of what: all that the columns depend on."""
         return Recorded(
             tuple((body.name, body.chain) for body in self.bodies),
-            tuple(planned.thing.name for planned in self.objects),
+            tuple(planned.rigid_object.name for planned in self.objects),
             self.ground is not None,
             self.columns,
             self.object_quantities,
@@ -160,13 +160,13 @@ class Plan:
     def surfaces(self) -> tuple[ContactSurface, ...]:
         """Every surface of the scene but the ground's."""
         own = (one for body in self.bodies for one in body.surfaces.all)
-        return (*own, *(planned.thing.surface for planned in self.objects))
+        return (*own, *(planned.rigid_object.surface for planned in self.objects))
 
 
-def make_plan(scene: Scene, keeps_everything: bool = False) -> Plan:
+def make_plan(scene: Scene, keeps_unused: bool = False) -> Plan:
     """Return the plan of a scene; the only place where SI becomes engine units.
 
-    With `keeps_everything` shapes are loaded, rows are solved and state is read that no result
+    With `keeps_unused` shapes are loaded, rows are solved and state is read that no result
     needs.
     """
     acceleration = scene.scale.factor(Dimension(length=1, time=-2))
@@ -181,10 +181,10 @@ def make_plan(scene: Scene, keeps_everything: bool = False) -> Plan:
             _body(
                 one,
                 scene.scale,
-                can_touch or keeps_everything,
-                keeps_everything,
-                keeps_everything or needs_engine_limits(can_touch, scene.integrator, one.base),
-                keeps_everything,
+                can_touch or keeps_unused,
+                keeps_unused,
+                keeps_unused or needs_engine_limits(can_touch, scene.integrator, one.base),
+                keeps_unused,
             )
             for one in scene.manipulators
         ),
@@ -192,15 +192,15 @@ def make_plan(scene: Scene, keeps_everything: bool = False) -> Plan:
         columns=scene.columns,
         ground=None if scene.ground is None else scaled(scene.ground, scene.scale),
         objects=tuple(
-            _thing(one, scene.scale, keeps_everything)
+            _planned_object(one, scene.scale, keeps_unused)
             for one in with_heights(scene.objects, scene.ground)
         ),
         object_quantities=scene.object_quantities if scene.objects else (),
         only=scene.only,
         stop_conditions=tuple(scaled(one, scene.scale) for one in scene.stop_conditions),
-        ends_in_row=bool(scene.stop_conditions),
+        records_last_step=bool(scene.stop_conditions),
         can_touch=can_touch,
-        keeps_everything=keeps_everything,
+        keeps_unused=keeps_unused,
     )
 
 
@@ -221,7 +221,7 @@ def _body(
     with_motors: bool,
 ) -> Body:
     chain = scaled(manipulator.compiled.chain, scale)
-    start = Start(
+    start = InitialState(
         manipulator.position,
         manipulator.rpy,
         manipulator.linear_velocity,
@@ -236,38 +236,40 @@ def _body(
         chain=chain,
         urdf=urdf.render_for_engine(chain, with_collisions, with_visuals, with_limits),
         start=start,
-        drives=tuple(_drive(entry, chain, scale) for entry in manipulator.actuation),
-        loads=tuple(_load(scaled(entry, scale)) for entry in manipulator.loads),
+        drives=tuple(_actuator_torque(entry, chain, scale) for entry in manipulator.actuation),
+        loads=tuple(_planned_load(scaled(entry, scale)) for entry in manipulator.loads),
         surfaces=scaled(manipulator.surfaces, scale),
         has_self_collision=manipulator.has_self_collision,
-        path=_path(manipulator.motion, start.pose, scale),
+        path=_pose_path(manipulator.motion, start.pose, scale),
         has_engine_limits=with_limits,
-        has_idle_motors=with_motors,
+        has_zero_torque_motors=with_motors,
     )
 
 
-def _path(motion: PrescribedMotion | None, start: Pose, scale: Scale) -> PosePath | None:
+def _pose_path(motion: PrescribedMotion | None, start: Pose, scale: Scale) -> PosePath | None:
     return None if motion is None else scaled(motion, scale).path_from(start)
 
 
-def _thing(one: RigidObject, scale: Scale, keeps_everything: bool) -> PlannedThing:
-    thing = scaled(one, scale)
-    start = Pose(thing.position, geometry.rotation_from_rpy(thing.rpy))
-    path = _path(one.motion, start, scale)
-    (link,) = thing.chain.links
-    if not compound.is_plain(link):
-        return PlannedThing(thing, "", compound.compound(link), path)
-    text = urdf.render_for_engine(thing.chain, with_collisions=True, with_visuals=keeps_everything)
-    return PlannedThing(thing, text, path=path)
+def _planned_object(one: RigidObject, scale: Scale, keeps_unused: bool) -> PlannedObject:
+    rigid_object = scaled(one, scale)
+    start = Pose(rigid_object.position, geometry.rotation_from_rpy(rigid_object.rpy))
+    path = _pose_path(one.motion, start, scale)
+    (link,) = rigid_object.chain.links
+    if not compound.is_exact_in_urdf(link):
+        return PlannedObject(rigid_object, "", compound.compound_of(link), path)
+    text = urdf.render_for_engine(
+        rigid_object.chain, with_collisions=True, with_visuals=keeps_unused
+    )
+    return PlannedObject(rigid_object, text, path=path)
 
 
-def _drive(actuation: Actuation, chain: Chain, scale: Scale) -> Drive:
+def _actuator_torque(actuation: Actuation, chain: Chain, scale: Scale) -> ActuatorTorque:
     joints = tuple(
         index
         for index, joint in enumerate(chain.joints)
         if (joint.actuator, joint.channel) == (actuation.actuator, actuation.axis)
     )
-    return Drive(
+    return ActuatorTorque(
         actuation.actuator,
         actuation.axis,
         joints,
@@ -275,6 +277,6 @@ def _drive(actuation: Actuation, chain: Chain, scale: Scale) -> Drive:
     )
 
 
-def _load(load: LoadOfScene) -> Load:
+def _planned_load(load: ExternalLoad) -> PlannedLoad:
     factor = signals.piecewise_signal(load.waypoints, load.interpolation, load.repeat)
-    return Load(load.link, load.point, load.force, load.moment, load.frame, factor)
+    return PlannedLoad(load.link, load.point, load.force, load.moment, load.frame, factor)

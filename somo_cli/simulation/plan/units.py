@@ -9,7 +9,7 @@ from somo_cli.simulation.plan.model import TORQUE, Plan
 
 
 @dataclass(frozen=True, slots=True)
-class Units:
+class UnitFactors:
     """Engine units per SI unit."""
 
     length: float
@@ -17,7 +17,7 @@ class Units:
     force: float
 
 
-def units_of(plan: Plan) -> Units:
+def unit_factors_of(plan: Plan) -> UnitFactors:
     """Return the factors that lead from SI to the units of a plan."""
     force = plan.scale.factor(Dimension(mass=1, length=1, time=-2))
-    return Units(plan.scale.factor(Dimension(length=1)), plan.scale.factor(TORQUE), force)
+    return UnitFactors(plan.scale.factor(Dimension(length=1)), plan.scale.factor(TORQUE), force)

@@ -16,15 +16,15 @@ from somo_cli.scene.columns import channels
 from somo_cli.scene.model import Quantity
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.dynamics.forward_kinematics import (
-    ChainPoses,
+    ForwardKinematics,
     Frames,
-    frames_of,
-    point_of,
+    frames_from_poses,
+    point_positions,
     quaternions,
 )
-from somo_cli.simulation.engine.contacts import Touch
+from somo_cli.simulation.engine.contacts import ContactPoint
 from somo_cli.simulation.plan.model import Body
-from somo_cli.simulation.plan.units import Units
+from somo_cli.simulation.plan.units import UnitFactors
 from somo_cli.simulation.recording import contact_values
 
 
@@ -45,16 +45,16 @@ class BodyStates:
     base_poses: Sequence[Pose]
     base_velocities: Sequence[tuple[Vector, Vector]]
     gravity: Vector
-    poses: ChainPoses
+    poses: ForwardKinematics
     dynamics: Callable[[], ChainDynamics]
     number: int = 0
     others: Sequence[int] = ()
-    touches: Sequence[Sequence[Touch]] = ()
+    touches: Sequence[Sequence[ContactPoint]] = ()
 
     @cached_property
     def base_frames(self) -> Frames:
         """The frames of the base, shapes (3, rows) and (3, 3, rows), or of one row for all."""
-        return frames_of(self.base_poses)
+        return frames_from_poses(self.base_poses)
 
     @cached_property
     def frames(self) -> Frames:
@@ -62,19 +62,19 @@ class BodyStates:
         return self.poses.frames(self.angles, self.base_frames)
 
 
-BodyValueReader: TypeAlias = Callable[[BodyStates, Units], Array]
+BodyValueReader: TypeAlias = Callable[[BodyStates, UnitFactors], Array]
 """Returns the columns of a quantity, shape (columns, rows), or (columns, 1) if no row differs."""
 
 
-def _angles(states: BodyStates, units: Units) -> Array:
+def _angles(states: BodyStates, units: UnitFactors) -> Array:
     return states.angles
 
 
-def _rates(states: BodyStates, units: Units) -> Array:
+def _rates(states: BodyStates, units: UnitFactors) -> Array:
     return states.rates
 
 
-def _spring_torques(states: BodyStates, units: Units) -> Array:
+def _spring_torques(states: BodyStates, units: UnitFactors) -> Array:
     joints = states.body.chain.joints
     stiffness = np.array([[joint.stiffness] for joint in joints])
     neutral = np.array([[joint.neutral_position] for joint in joints])
@@ -82,39 +82,41 @@ def _spring_torques(states: BodyStates, units: Units) -> Array:
     return torques
 
 
-def _actuation(states: BodyStates, units: Units) -> Array:
+def _actuation(states: BodyStates, units: UnitFactors) -> Array:
     joints = [(joint.actuator, joint.channel) for joint in states.body.chain.joints]
     first = [joints.index(channel) for channel in channels(states.body.chain)]
     return np.asarray(states.actuation[first] / units.torque)
 
 
-def _curvatures(states: BodyStates, units: Units) -> Array:
+def _curvatures(states: BodyStates, units: UnitFactors) -> Array:
     spans = np.array([[joint.span / units.length] for joint in states.body.chain.joints])
     return np.asarray(states.angles / spans)
 
 
-def _link_positions(states: BodyStates, units: Units) -> Array:
+def _link_positions(states: BodyStates, units: UnitFactors) -> Array:
     positions, _ = states.frames
     return positions.reshape(-1, positions.shape[-1]) / units.length
 
 
-def _link_orientations(states: BodyStates, units: Units) -> Array:
+def _link_orientations(states: BodyStates, units: UnitFactors) -> Array:
     turns = quaternions(states.frames[1])
     return turns.reshape(-1, turns.shape[-1])
 
 
-def _base_pose(states: BodyStates, units: Units) -> Array:
+def _base_pose(states: BodyStates, units: UnitFactors) -> Array:
     positions, rotations = states.base_frames
     return np.concatenate([positions / units.length, quaternions(rotations)])
 
 
-def _tip_position(states: BodyStates, units: Units) -> Array:
+def _tip_position(states: BodyStates, units: UnitFactors) -> Array:
     chain = states.body.chain
     ends = [(limb.last_link, limb.tip) for limb in chain.limbs] or [(-1, chain.tip)]
-    return np.concatenate([point_of(states.frames, link, tip) / units.length for link, tip in ends])
+    return np.concatenate(
+        [point_positions(states.frames, link, tip) / units.length for link, tip in ends]
+    )
 
 
-def _energy(states: BodyStates, units: Units) -> Array:
+def _energy(states: BodyStates, units: UnitFactors) -> Array:
     dynamics, rows = states.dynamics(), states.angles.shape[1]
     bases = states.base_poses if len(states.base_poses) == rows else [*states.base_poses] * rows
     found = []
@@ -130,19 +132,19 @@ def _energy(states: BodyStates, units: Units) -> Array:
     return np.array(found).T / units.torque
 
 
-def _contact_force(states: BodyStates, units: Units) -> Array:
+def _contact_force(states: BodyStates, units: UnitFactors) -> Array:
     number = states.number
     return np.array([contact_values.total_force(row, number, units) for row in states.touches]).T
 
 
-def _contact_pairs(states: BodyStates, units: Units) -> Array:
+def _contact_pairs(states: BodyStates, units: UnitFactors) -> Array:
     number, others = states.number, states.others
     return np.array(
         [contact_values.pair_forces(row, number, others, units) for row in states.touches]
     ).T
 
 
-def _link_contact_forces(states: BodyStates, units: Units) -> Array:
+def _link_contact_forces(states: BodyStates, units: UnitFactors) -> Array:
     number, count = states.number, len(states.body.chain.links)
     return np.array(
         [contact_values.link_forces(row, number, count, units) for row in states.touches]

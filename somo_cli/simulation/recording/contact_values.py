@@ -5,31 +5,35 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from somo_cli.simulation.engine import contacts
-from somo_cli.simulation.engine.contacts import Touch
-from somo_cli.simulation.plan.units import Units
+from somo_cli.simulation.engine.contacts import ContactPoint
+from somo_cli.simulation.plan.units import UnitFactors
 
 
-def total_force(touches: Sequence[Touch], number: int, units: Units) -> Sequence[float]:
+def total_force(
+    touches: Sequence[ContactPoint], number: int, units: UnitFactors
+) -> Sequence[float]:
     """Return the force of all that touches a body or an object, and the sum of normal forces."""
-    force = contacts.total(contacts.on(touches, number))
+    force = contacts.total_force(contacts.contacts_on(touches, number))
     return [value / units.force for value in force]
 
 
 def pair_forces(
-    touches: Sequence[Touch], number: int, others: Sequence[int], units: Units
+    touches: Sequence[ContactPoint], number: int, others: Sequence[int], units: UnitFactors
 ) -> Sequence[float]:
     """Return what each of the others does to a body or an object."""
     return [
         value / units.force
         for other in others
-        for value in contacts.load(contacts.between(touches, number, other))
+        for value in contacts.contact_force(contacts.contacts_between(touches, number, other))
     ]
 
 
-def link_forces(touches: Sequence[Touch], number: int, count: int, units: Units) -> Sequence[float]:
+def link_forces(
+    touches: Sequence[ContactPoint], number: int, count: int, units: UnitFactors
+) -> Sequence[float]:
     """Return what touches each of the `count` links of a body."""
     return [
         value / units.force
         for link in range(count)
-        for value in contacts.load(contacts.on_link(touches, (number, link)))
+        for value in contacts.contact_force(contacts.contacts_on_link(touches, (number, link)))
     ]

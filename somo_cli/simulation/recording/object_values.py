@@ -12,9 +12,9 @@ from somo_cli.arrays import Array
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.scene.rigid_object import ObjectQuantity
-from somo_cli.simulation.dynamics.forward_kinematics import frames_of, quaternions
-from somo_cli.simulation.engine.contacts import Touch
-from somo_cli.simulation.plan.units import Units
+from somo_cli.simulation.dynamics.forward_kinematics import frames_from_poses, quaternions
+from somo_cli.simulation.engine.contacts import ContactPoint
+from somo_cli.simulation.plan.units import UnitFactors
 from somo_cli.simulation.recording import contact_values
 
 
@@ -32,33 +32,33 @@ class ObjectStates:
     poses: Sequence[Pose]
     velocities: Sequence[tuple[Vector, Vector]]
     total_rotations: Sequence[Vector]
-    touches: Sequence[Sequence[Touch]]
+    touches: Sequence[Sequence[ContactPoint]]
 
 
-ObjectValueReader: TypeAlias = Callable[[ObjectStates, Units], Array]
+ObjectValueReader: TypeAlias = Callable[[ObjectStates, UnitFactors], Array]
 """Returns the columns of a reading, shape (columns, rows)."""
 
 
-def _pose(states: ObjectStates, units: Units) -> Array:
-    positions, rotations = frames_of(states.poses)
+def _pose(states: ObjectStates, units: UnitFactors) -> Array:
+    positions, rotations = frames_from_poses(states.poses)
     return np.concatenate([positions / units.length, quaternions(rotations)])
 
 
-def _velocity(states: ObjectStates, units: Units) -> Array:
+def _velocity(states: ObjectStates, units: UnitFactors) -> Array:
     linear, spins = np.moveaxis(np.array(states.velocities), 0, -1)
     return np.concatenate([linear / units.length, spins])
 
 
-def _angles(states: ObjectStates, units: Units) -> Array:
+def _angles(states: ObjectStates, units: UnitFactors) -> Array:
     return np.array(states.total_rotations).T
 
 
-def _contact_force(states: ObjectStates, units: Units) -> Array:
+def _contact_force(states: ObjectStates, units: UnitFactors) -> Array:
     number = states.number
     return np.array([contact_values.total_force(row, number, units) for row in states.touches]).T
 
 
-def _contact_pairs(states: ObjectStates, units: Units) -> Array:
+def _contact_pairs(states: ObjectStates, units: UnitFactors) -> Array:
     number, others = states.number, states.others
     return np.array(
         [contact_values.pair_forces(row, number, others, units) for row in states.touches]

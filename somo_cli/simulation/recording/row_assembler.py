@@ -9,13 +9,13 @@ import numpy as np
 
 from somo_cli.arrays import Array
 from somo_cli.scene import columns
-from somo_cli.simulation.engine.contacts import Touch
+from somo_cli.simulation.engine.contacts import ContactPoint
 from somo_cli.simulation.engine.interface import World
-from somo_cli.simulation.integrator.body_stepper import Runner
-from somo_cli.simulation.integrator.refresh_policy import STEPS_BETWEEN_LOOKS
+from somo_cli.simulation.integrator.body_stepper import BodyStepper
+from somo_cli.simulation.integrator.refresh_policy import MONITORING_INTERVAL
 from somo_cli.simulation.monitoring.divergence import DivergenceMonitor
 from somo_cli.simulation.plan.model import Plan
-from somo_cli.simulation.plan.units import units_of
+from somo_cli.simulation.plan.units import unit_factors_of
 from somo_cli.simulation.recording.row_buffers import BodyRowBuffer, ObjectRowBuffer
 
 NUMBERS_PER_BATCH = 16384  # that wait until columns are made of them, which is when that is fastest
@@ -37,31 +37,31 @@ class RowAssembler:
         self,
         plan: Plan,
         world: World,
-        runners: Sequence[Runner],
+        body_steppers: Sequence[BodyStepper],
         divergence_monitor: DivergenceMonitor,
         write: RowWriter,
     ) -> None:
         self._world = world
         self._divergence_monitor = divergence_monitor
         self._write = write
-        units = units_of(plan)
+        units = unit_factors_of(plan)
         groups, of_things = (
             columns.body_column_groups(plan.recorded),
             columns.object_column_groups(plan.recorded),
         )
         self._width = len(columns.header(plan.recorded))
         self._capacity = max(1, min(MAX_ROWS_PER_BATCH, NUMBERS_PER_BATCH // self._width))
-        buffer_size = self._capacity + STEPS_BETWEEN_LOOKS  # rows are released at looks
+        buffer_size = self._capacity + MONITORING_INTERVAL  # rows are released at looks
         self._bodies = [
             BodyRowBuffer(
                 plan,
                 number,
-                runner,
+                body_stepper,
                 [one for one in groups if one.body == number],
                 units,
                 buffer_size,
             )
-            for number, runner in enumerate(runners)
+            for number, body_stepper in enumerate(body_steppers)
         ]
         self._things = [
             ObjectRowBuffer(plan, index, thing, of_one, units)
@@ -71,7 +71,7 @@ class RowAssembler:
         self._parts: list[BodyRowBuffer | ObjectRowBuffer] = [*self._bodies, *self._things]
         self._parts_with_velocities = [part for part in self._parts if part.needs_velocities]
         kinds = {group.quantity for group in groups} | {group.reading for group in of_things}
-        keeps_all = plan.keeps_everything
+        keeps_all = plan.keeps_unused
         self._records_contacts = keeps_all or not columns.NEEDS_CONTACTS.isdisjoint(kinds)
         self.needs_next_step = plan.integrator == "implicit" and (
             keeps_all or not (columns.NEEDS_VELOCITIES | {"velocity"}).isdisjoint(kinds)
@@ -79,7 +79,7 @@ class RowAssembler:
         self._counts_rotations = "angles" in kinds
         self._time_step = plan.time_step
         self._steps: list[int] = []
-        self._touches: list[Sequence[Touch]] = []
+        self._touches: list[Sequence[ContactPoint]] = []
         self._complete_rows = 0
         self.written = 0
 
@@ -97,7 +97,7 @@ class RowAssembler:
     def take(self, step: int) -> None:
         """Take the present state for the row of a step."""
         if self._records_contacts:
-            self._touches.append(self._world.touches() if step > 0 else ())
+            self._touches.append(self._world.contact_points() if step > 0 else ())
         row = len(self._steps)
         for part in self._parts:
             part.take(row)

@@ -12,13 +12,13 @@ from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.scene import columns
 from somo_cli.scene.columns import BodyColumnGroup, ObjectColumnGroup
-from somo_cli.simulation.dynamics.forward_kinematics import ChainPoses
-from somo_cli.simulation.engine.contacts import Touch
-from somo_cli.simulation.engine.interface import WorldThing
-from somo_cli.simulation.integrator.body_stepper import Runner
+from somo_cli.simulation.dynamics.forward_kinematics import ForwardKinematics
+from somo_cli.simulation.engine.contacts import ContactPoint
+from somo_cli.simulation.engine.interface import WorldObject
+from somo_cli.simulation.integrator.body_stepper import BodyStepper
 from somo_cli.simulation.monitoring.divergence import StateHistory
 from somo_cli.simulation.plan.model import Plan
-from somo_cli.simulation.plan.units import Units
+from somo_cli.simulation.plan.units import UnitFactors
 from somo_cli.simulation.recording import body_values, object_values
 from somo_cli.simulation.recording.body_values import BodyStates
 from somo_cli.simulation.recording.object_values import ObjectStates
@@ -38,32 +38,32 @@ class BodyRowBuffer:
         self,
         plan: Plan,
         number: int,
-        runner: Runner,
+        body_stepper: BodyStepper,
         groups: Sequence[BodyColumnGroup],
-        units: Units,
+        units: UnitFactors,
         capacity: int,
     ) -> None:
-        self._runner = runner
-        self._law = runner.law
+        self._body_stepper = body_stepper
+        self._law = body_stepper.law
         self._gravity = plan.gravity
         self._number, self._others = number, plan.recorded.contact_partners(number)
         self._units = units
         kinds = {group.quantity for group in groups}
-        can_move = runner.body.base != "static"
+        can_move = body_stepper.body.base != "static"
         # a base that can move is read at every row's step, any other once
         needs_base_pose = not kinds.isdisjoint(columns.NEEDS_BASE_POSE)
         self._records_base_pose = can_move and needs_base_pose
-        self._base = runner.world_body.base_pose() if needs_base_pose else Pose()
+        self._base = body_stepper.world_body.base_pose() if needs_base_pose else Pose()
         self._records_base_velocity = can_move and "energy" in kinds
         self.needs_velocities = not columns.NEEDS_VELOCITIES.isdisjoint(kinds)
         """Whether any column needs those of the instant."""
         self._averages_rates = self.needs_velocities and plan.integrator == "implicit"
         self._records_actuation = "actuation" in kinds
-        self._poses = ChainPoses(runner.body.chain)
+        self._poses = ForwardKinematics(body_stepper.body.chain)
         self._groups = groups
         # angles and rates, as the law has them one behind the other
-        self._motion = runner.law.motion
-        count = len(runner.law.rates)
+        self._motion = body_stepper.law.motion
+        count = len(body_stepper.law.rates)
         self._motions: Array = np.empty((capacity, 2 * count))
         self._rates_after: Array = np.empty((capacity, count))
         self._actuation: Array = np.empty((capacity, count))
@@ -78,21 +78,21 @@ class BodyRowBuffer:
 
     def take(self, row: int) -> None:
         """Take the present state for a row."""
-        runner = self._runner
+        body_stepper = self._body_stepper
         self._motions[row] = self._motion
-        self._masses.append(runner.mass)
+        self._masses.append(body_stepper.mass)
         if self._records_actuation:
-            self._actuation[row] = runner.actuation
+            self._actuation[row] = body_stepper.actuation
         if self._records_base_pose:
-            self._bases.append(runner.world_body.base_pose())
+            self._bases.append(body_stepper.world_body.base_pose())
         if self._records_base_velocity:
-            self._velocities.append(runner.world_body.base_velocity())
+            self._velocities.append(body_stepper.world_body.base_velocity())
 
     def complete(self, row: int) -> None:
         """Take the velocities half a step after the state of a row, the last that was taken."""
         self._rates_after[row] = self._law.rates
         if self._records_base_velocity:
-            self._velocities_after.append(self._runner.world_body.base_velocity())
+            self._velocities_after.append(self._body_stepper.world_body.base_velocity())
 
     def history(self, rows: int) -> StateHistory:
         """Return the first so many states, for the watch."""
@@ -100,7 +100,7 @@ class BodyRowBuffer:
         motions = self._motions[:rows]
         return StateHistory(motions[:, :count], motions[:, count:], self._masses[:rows])
 
-    def fill(self, table: Array, touches: Sequence[Sequence[Touch]]) -> None:
+    def fill(self, table: Array, touches: Sequence[Sequence[ContactPoint]]) -> None:
         """Write the columns, shape (columns, rows), for as many rows as the table has."""
         rows = table.shape[1]
         if not (rows and self._groups):
@@ -110,7 +110,7 @@ class BodyRowBuffer:
         if self._averages_rates:
             rates = 0.5 * (rates + self._rates_after[:rows])
         states = BodyStates(
-            self._runner.body,
+            self._body_stepper.body,
             history.angles.T,
             rates.T,
             self._actuation[:rows].T,
@@ -118,7 +118,7 @@ class BodyRowBuffer:
             mean_velocities(self._velocities[:rows], self._velocities_after) or [_AT_REST] * rows,
             self._gravity,
             self._poses,
-            self._runner.dynamics,
+            self._body_stepper.dynamics,
             self._number,
             self._others,
             touches,
@@ -135,9 +135,9 @@ class ObjectRowBuffer:
         self,
         plan: Plan,
         index: int,
-        thing: WorldThing,
+        thing: WorldObject,
         groups: Sequence[ObjectColumnGroup],
-        units: Units,
+        units: UnitFactors,
     ) -> None:
         self._thing = thing
         self._units = units
@@ -179,7 +179,7 @@ class ObjectRowBuffer:
         """Take the velocities half a step after the state of a row, the last that was taken."""
         self._velocities_after.append(self._thing.velocity())
 
-    def fill(self, table: Array, touches: Sequence[Sequence[Touch]]) -> None:
+    def fill(self, table: Array, touches: Sequence[Sequence[ContactPoint]]) -> None:
         """Write the columns, shape (columns, rows), for as many rows as the table has."""
         rows = table.shape[1]
         if not rows:

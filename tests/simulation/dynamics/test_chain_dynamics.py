@@ -85,9 +85,9 @@ def test_stiffness_of_a_force_is_the_gradient_of_its_torques(link_from_tip: int)
 
     def torques(angles: np.ndarray) -> np.ndarray:
         here = pose.chain.at(angles, BASE)
-        return here.force_on(link, here.point(link, local), force, none)[6:]
+        return here.generalised_force(link, here.point(link, local), force, none)[6:]
 
-    exact = pose.stiffness_of_force(link, pose.point(link, local), force)
+    exact = pose.force_stiffness(link, pose.point(link, local), force)
     found = differences(torques, pose.angles)
     assert np.abs(found - exact).max() < 1e-8 * np.abs(exact).max()
 
@@ -102,7 +102,9 @@ def test_a_force_does_the_work_of_its_generalised_force() -> None:
         spin = angular[link] @ rates
         velocity = linear[link] @ rates + np.cross(spin, point - pose.centres[link])
         power = force @ velocity + moment @ spin
-        assert pose.force_on(link, point, force, moment) @ rates == pytest.approx(power, rel=1e-12)
+        assert pose.generalised_force(link, point, force, moment) @ rates == pytest.approx(
+            power, rel=1e-12
+        )
 
 
 def test_energies_agree_with_inertia_and_weight() -> None:

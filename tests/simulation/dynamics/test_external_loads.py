@@ -15,7 +15,7 @@ from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.scene.model import ExternalLoad, Frame, Scene
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
-from somo_cli.simulation.dynamics.external_loads import BodyLoads
+from somo_cli.simulation.dynamics.external_loads import ExternalLoads
 from somo_cli.simulation.plan.model import make_plan
 from tests.loading import rows_of, scene_from_file
 from tests.simulation.test_physics import INERTIA, exact_angle, hinge
@@ -30,12 +30,12 @@ def cantilever(*loads: dict[str, Any], **changes: Any) -> Scene:
     return dataclasses.replace(scene, columns=("joint_angles",), **changes)
 
 
-def acting(*loads: dict[str, Any]) -> BodyLoads:
+def acting(*loads: dict[str, Any]) -> ExternalLoads:
     """Return loads on a cantilever whose base may be anywhere, and is at BASE."""
     scene = cantilever(*loads)
     one = dataclasses.replace(scene.manipulators[0], base="free")
     (body,) = make_plan(dataclasses.replace(scene, manipulators=(one,))).bodies
-    return BodyLoads(body, lambda: BASE)
+    return ExternalLoads(body, lambda: BASE)
 
 
 def test_a_load_is_the_force_of_its_link_at_its_point() -> None:
@@ -46,9 +46,9 @@ def test_a_load_is_the_force_of_its_link_at_its_point() -> None:
     body = {**world, "link": "actuator_0_segment_04", "frame": "body"}
     force, moment = np.array([1.0, 2.0, 3.0]), np.array([4.0, 5.0, 6.0])
     at_tip = pose.point(10, chain.tip + np.array([0.1, 0.2, 0.3]))
-    expected = pose.force_on(10, at_tip, force, moment)
+    expected = pose.generalised_force(10, at_tip, force, moment)
     assert acting(world).force(0, ANGLES) == pytest.approx(expected, abs=1e-14)
-    turned = pose.force_on(4, pose.point(4, [0.1, 0.2, 0.3]), axes @ force, axes @ moment)
+    turned = pose.generalised_force(4, pose.point(4, [0.1, 0.2, 0.3]), axes @ force, axes @ moment)
     assert acting(body).force(0, ANGLES) == pytest.approx(turned, abs=1e-14)
     both = acting(world, body).force(0, ANGLES)
     assert both == pytest.approx(expected + turned, abs=1e-14)
@@ -92,9 +92,9 @@ def equilibrium(chain: Chain, force: np.ndarray) -> np.ndarray:
     angles = dynamics.neutral
     for _ in range(30):
         pose = dynamics.at(angles)
-        torques = pose.force_on(dynamics.count, pose.tip, force, np.zeros(3))[6:]
+        torques = pose.generalised_force(dynamics.count, pose.tip, force, np.zeros(3))[6:]
         residual = torques - dynamics.stiffness * (angles - dynamics.neutral)
-        load = pose.stiffness_of_force(dynamics.count, pose.tip, force)
+        load = pose.force_stiffness(dynamics.count, pose.tip, force)
         angles = angles + np.linalg.solve(springs + load, residual)
     assert np.abs(residual).max() < 1e-13
     return angles

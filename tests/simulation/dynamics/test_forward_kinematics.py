@@ -11,9 +11,9 @@ from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.kinematics import Pose, link_poses
 from somo_cli.simulation.dynamics.forward_kinematics import (
-    ChainPoses,
-    frames_of,
-    point_of,
+    ForwardKinematics,
+    frames_from_poses,
+    point_positions,
     quaternions,
 )
 from somo_cli.simulation.plan.model import make_plan
@@ -50,7 +50,7 @@ def bases(count: int) -> list[Pose]:
 @pytest.mark.parametrize("count", [1, INSTANTS])
 def test_frames_are_those_of_one_pose_at_a_time(chain: Chain, count: int) -> None:
     angles, at = angles_of(chain), bases(count)
-    positions, rotations = ChainPoses(chain).frames(angles, frames_of(at))
+    positions, rotations = ForwardKinematics(chain).frames(angles, frames_from_poses(at))
     turns = quaternions(rotations)
     for instant in range(INSTANTS):
         poses = link_poses(chain, angles[:, instant].tolist(), at[instant % count])
@@ -60,16 +60,16 @@ def test_frames_are_those_of_one_pose_at_a_time(chain: Chain, count: int) -> Non
             assert axes == pytest.approx(np.array(pose.rotation), abs=1e-13)
             turn = geometry.quaternion_from_rotation(pose.rotation)
             assert turns[link, :, instant] == pytest.approx(turn, abs=1e-12)
-        ends = point_of((positions, rotations), -1, (0.1, -0.2, 0.3))
+        ends = point_positions((positions, rotations), -1, (0.1, -0.2, 0.3))
         assert ends[:, instant] == pytest.approx(poses[-1].point((0.1, -0.2, 0.3)), abs=1e-12)
 
 
 def test_no_frame_depends_on_which_others_are_asked_for(chain: Chain) -> None:
     angles, at = angles_of(chain), bases(INSTANTS)
-    poses = ChainPoses(chain)
+    poses = ForwardKinematics(chain)
 
     def told(some: slice) -> list[np.ndarray]:
-        positions, rotations = poses.frames(angles[:, some], frames_of(at[some]))
+        positions, rotations = poses.frames(angles[:, some], frames_from_poses(at[some]))
         return [positions, rotations, quaternions(rotations)]
 
     whole = told(slice(None))

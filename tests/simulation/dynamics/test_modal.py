@@ -7,8 +7,8 @@ import pytest
 
 from somo_cli.simulation.dynamics.modal import (
     largest_explicit_step,
+    mass_normalisation,
     natural_frequencies,
-    normaliser,
 )
 
 RANDOM = np.random.default_rng(7)
@@ -64,7 +64,7 @@ def test_light_links_do_not_drown_among_heavy_ones() -> None:
 
 def test_shapes_have_unit_masses() -> None:
     mass, stiffness = inertia(5), inertia(5)
-    normalised, shaped = normaliser(mass)
+    normalised, shaped = mass_normalisation(mass)
     squares, vectors = np.linalg.eigh(normalised(stiffness))
     shapes = shaped(vectors)
     assert shapes.T @ mass @ shapes == pytest.approx(np.eye(5), abs=1e-12)

@@ -10,7 +10,7 @@ from unittest.mock import patch
 import numpy as np
 import pytest
 
-from somo_cli.simulation.integrator.body_stepper import Runner
+from somo_cli.simulation.integrator.body_stepper import BodyStepper
 from somo_cli.simulation.integrator.half_step_start import begin
 from somo_cli.simulation.plan.model import Plan
 from tests.loading import rows_of, scene_from_file
@@ -27,59 +27,59 @@ STEP = 0.01  # s
 START = {"initial_angles": 0.3, "initial_rates": 2.0}
 
 
-def begun(integrator: str, load: float = 0.0, **more: Any) -> tuple[Runner, FakeWorld, Plan]:
+def begun(integrator: str, load: float = 0.0, **more: Any) -> tuple[BodyStepper, FakeWorld, Plan]:
     plan = plan_of_hinges(integrator=integrator, time_step=STEP, **{"one": START, **more})
     world = FakeWorld(plan, load)
-    runner = Runner(plan, plan.bodies[0], world.bodies[0])
-    begin(plan, world, [runner])
-    return runner, world, plan
+    body_stepper = BodyStepper(plan, plan.bodies[0], world.bodies[0])
+    begin(plan, world, [body_stepper])
+    return body_stepper, world, plan
 
 
 def test_the_actuation_of_a_time() -> None:
     drive = {"actuator": 0, "axis": 0, "waypoints": [[1, 0], [2, 4]]}
     plan = plan_of_hinges(3, one={"actuation": [drive]})
-    runner = Runner(plan, plan.bodies[0], FakeWorld(plan).bodies[0])
-    assert runner.law.actuation.tolist() == [0.0, 0.0, 0.0]
-    runner.actuate(1.5)
-    assert runner.law.actuation.tolist() == [2.0, 2.0, 2.0]
-    assert [runner.constant_until(time) for time in (0.0, 1.5, 2.0)] == [1.0, 1.5, math.inf]
+    body_stepper = BodyStepper(plan, plan.bodies[0], FakeWorld(plan).bodies[0])
+    assert body_stepper.law.actuation.tolist() == [0.0, 0.0, 0.0]
+    body_stepper.actuate(1.5)
+    assert body_stepper.law.actuation.tolist() == [2.0, 2.0, 2.0]
+    assert [body_stepper.constant_until(time) for time in (0.0, 1.5, 2.0)] == [1.0, 1.5, math.inf]
 
 
 def test_without_actuation_nothing_ever_changes() -> None:
     plan = plan_of_hinges(2, one={"actuation": []})
-    runner = Runner(plan, plan.bodies[0], FakeWorld(plan).bodies[0])
-    runner.actuate(3.0)
-    assert runner.law.actuation.tolist() == [0.0, 0.0]
-    assert runner.constant_until(0.0) == math.inf
+    body_stepper = BodyStepper(plan, plan.bodies[0], FakeWorld(plan).bodies[0])
+    body_stepper.actuate(3.0)
+    assert body_stepper.law.actuation.tolist() == [0.0, 0.0]
+    assert body_stepper.constant_until(0.0) == math.inf
 
 
 @pytest.mark.parametrize("integrator", ["implicit", "euler", "explicit"])
 def test_a_body_begins_at_its_start(integrator: str) -> None:
-    runner, world, _ = begun(integrator, load=1.5)
-    assert runner.law.angles.tolist() == [0.3]
+    body_stepper, world, _ = begun(integrator, load=1.5)
+    assert body_stepper.law.angles.tolist() == [0.3]
     assert world.bodies[0].angles.tolist() == [0.3]
-    assert runner.law.rates.tolist() == world.bodies[0].rates.tolist()
+    assert body_stepper.law.rates.tolist() == world.bodies[0].rates.tolist()
 
 
 @pytest.mark.parametrize("integrator", ["euler", "explicit"])
 def test_first_order_laws_begin_with_the_rates_of_the_start(integrator: str) -> None:
-    runner, _, _ = begun(integrator, load=1.5)
-    assert runner.law.rates.tolist() == [2.0]
+    body_stepper, _, _ = begun(integrator, load=1.5)
+    assert body_stepper.law.rates.tolist() == [2.0]
 
 
 def test_the_implicit_law_begins_half_a_step_earlier() -> None:
-    runner, _, _ = begun("implicit", load=1.5)
+    body_stepper, _, _ = begun("implicit", load=1.5)
     # a = (M + B)⁻¹ (f + u - K (q - q0) - (D + N) v)
-    ((damping,),), ((implicit,),) = runner.law.parts.of(np.full((1, 1), INERTIA))
+    ((damping,),), ((implicit,),) = body_stepper.law.coefficients.matrices(np.full((1, 1), INERTIA))
     force = 1.5 + 1.0 - STIFFNESS * (0.3 - NEUTRAL) - damping * 2.0
     half_change = 0.5 * STEP * force / (INERTIA + implicit)
-    assert runner.law.rates == pytest.approx([2.0 - half_change], abs=1e-13)
+    assert body_stepper.law.rates == pytest.approx([2.0 - half_change], abs=1e-13)
 
 
 def torque_of_first_push(integrator: str, load: float) -> float:
-    runner, world, _ = begun(integrator, load)
-    runner.measure()
-    runner.push()
+    body_stepper, world, _ = begun(integrator, load)
+    body_stepper.measure()
+    body_stepper.apply_torques()
     return float(world.bodies[0].torques[0])
 
 
@@ -102,24 +102,24 @@ def test_the_euler_law_knows_the_load_from_the_start() -> None:
 def test_a_body_in_equilibrium_stays_there(integrator: str) -> None:
     balance = NEUTRAL + (1.0 + 1.5) / STIFFNESS
     one = {"initial_angles": balance}
-    runner, world, _ = begun(integrator, load=1.5, one=one)
+    body_stepper, world, _ = begun(integrator, load=1.5, one=one)
     for _ in range(50):
-        runner.measure()
-        runner.push()
+        body_stepper.measure()
+        body_stepper.apply_torques()
         world.step()
-        runner.pull()
-    assert runner.law.angles == pytest.approx([balance], abs=1e-14)
-    assert runner.law.rates == pytest.approx([0.0], abs=1e-13)
+        body_stepper.read_state()
+    assert body_stepper.law.angles == pytest.approx([balance], abs=1e-14)
+    assert body_stepper.law.rates == pytest.approx([0.0], abs=1e-13)
 
 
 def test_the_mass_matrix_is_renewed_when_the_joints_have_moved() -> None:
-    runner, world, _ = begun("implicit")
+    body_stepper, world, _ = begun("implicit")
     body = world.bodies[0]
     before = body.mass_matrices
     for move, renewed in ((0.0, 0), (1e-4, 0), (1.0, 1), (1e-4, 0), (-1.0, 1)):
         body.angles = body.angles + move
-        runner.pull()
-        runner.refresh_if_moved()
+        body_stepper.read_state()
+        body_stepper.refresh_if_moved()
         assert body.mass_matrices - before == renewed, move
         before = body.mass_matrices
 
@@ -127,23 +127,23 @@ def test_the_mass_matrix_is_renewed_when_the_joints_have_moved() -> None:
 def test_the_fastest_joint_is_known_by_its_speed() -> None:
     plan = plan_of_hinges(3)
     world = FakeWorld(plan)
-    runner = Runner(plan, plan.bodies[0], world.bodies[0])
-    begin(plan, world, [runner])
-    for rates, fastest in (
+    body_stepper = BodyStepper(plan, plan.bodies[0], world.bodies[0])
+    begin(plan, world, [body_stepper])
+    for rates, max_rate in (
         ([1.0, -3.0, 2.0], 3.0),
         ([-1.0, 0.5, 2.0], 2.0),
         ([0.0, 0.0, 0.0], 0.0),
         ([0.0, 1e12, 0.0], 1e12),
     ):
         world.bodies[0].rates = np.array(rates)
-        runner.pull()
-        runner.measure()
-        assert runner.fastest == fastest
+        body_stepper.read_state()
+        body_stepper.measure()
+        assert body_stepper.max_rate == max_rate
     for bad in (math.nan, math.inf, -math.inf):
         world.bodies[0].rates = np.array([1.0, bad, 2.0])
-        runner.pull()
-        runner.measure()
-        assert math.isnan(runner.fastest)
+        body_stepper.read_state()
+        body_stepper.measure()
+        assert math.isnan(body_stepper.max_rate)
 
 
 def test_how_near_a_limit_is_is_asked_only_where_it_matters() -> None:
@@ -154,8 +154,8 @@ def test_how_near_a_limit_is_is_asked_only_where_it_matters() -> None:
     chain = dataclasses.replace(plan.bodies[0].chain, joints=limited)
     plan = dataclasses.replace(plan, bodies=(dataclasses.replace(plan.bodies[0], chain=chain),))
     world = FakeWorld(plan)
-    runner = Runner(plan, plan.bodies[0], world.bodies[0])
-    begin(plan, world, [runner])
+    body_stepper = BodyStepper(plan, plan.bodies[0], world.bodies[0])
+    begin(plan, world, [body_stepper])
     for angle, enough, room in (
         (0.0, 0.5, 1.0),
         (6e-3, 0.5, 1.0 - 6e-3 * math.sqrt(2)),  # from how far both have moved
@@ -164,9 +164,9 @@ def test_how_near_a_limit_is_is_asked_only_where_it_matters() -> None:
         (-1.9, 0.5, 0.1),
     ):
         world.bodies[0].angles = np.full(2, angle)
-        runner.pull()
-        runner.refresh_if_moved()
-        assert runner._room(enough) == pytest.approx(room), (angle, enough)
+        body_stepper.read_state()
+        body_stepper.refresh_if_moved()
+        assert body_stepper._clearance(enough) == pytest.approx(room), (angle, enough)
 
 
 @pytest.mark.parametrize("joints", [(0,), (5,), (0, 1, 2), (1, 3, 5), (0, 2, 3), (0, 1, 3, 4)])
@@ -174,24 +174,24 @@ def test_a_drive_reaches_its_joints_however_they_are_spaced(joints: tuple[int, .
     plan = plan_of_hinges(6)
     drive = dataclasses.replace(plan.bodies[0].drives[0], joints=joints)
     body = dataclasses.replace(plan.bodies[0], drives=(drive,))
-    runner = Runner(plan, body, FakeWorld(plan).bodies[0])
-    runner.actuate(0.0)
+    body_stepper = BodyStepper(plan, body, FakeWorld(plan).bodies[0])
+    body_stepper.actuate(0.0)
     expected = [1.0 if index in joints else 0.0 for index in range(6)]
-    assert runner.law.actuation.tolist() == expected
+    assert body_stepper.law.actuation.tolist() == expected
 
 
 def test_where_bodies_can_touch_corrections_are_held_for_fewer_steps_as_well() -> None:
     scene = dataclasses.replace(scene_from_file("push_scene.yaml"), time_step=2e-3, every=50)
-    held, steps_to_hold = set(), Runner._steps_to_hold
+    held, reuse_steps = set(), BodyStepper._reuse_steps
 
-    def told(runner: Runner, change: np.ndarray) -> int:
-        steps = steps_to_hold(runner, change)
+    def told(body_stepper: BodyStepper, change: np.ndarray) -> int:
+        steps = reuse_steps(body_stepper, change)
         held.add(steps)
         return steps
 
-    with patch.object(Runner, "_steps_to_hold", told):
+    with patch.object(BodyStepper, "_reuse_steps", told):
         rows = np.array(rows_of(scene, 500))
-    with patch.object(Runner, "_steps_to_hold", lambda *_: 1):
+    with patch.object(BodyStepper, "_reuse_steps", lambda *_: 1):
         corrected = np.array(rows_of(scene, 500))
     assert held & {2, 4}
     angles = slice(1, 11)

@@ -8,19 +8,19 @@ import numpy as np
 import pytest
 
 from somo_cli.arrays import Array, invert
-from somo_cli.simulation.integrator.implicit_law import SUDDEN, SpringLaw, carried_on
-from somo_cli.simulation.plan.joint_springs import Springs
+from somo_cli.simulation.integrator.implicit_law import SMOOTH, SpringDamperLaw, limited_change
+from somo_cli.simulation.plan.joint_springs import JointSprings
 
 H = 1e-2
 RANDOM = np.random.default_rng(7)
 
 
-def spring_damper_torques(springs: Springs, angles: Array, rates: Array) -> Array:
+def spring_damper_torques(springs: JointSprings, angles: Array, rates: Array) -> Array:
     return -springs.stiffness * (angles - springs.neutral) - springs.damping * rates
 
 
-def springs(n: int = 3) -> Springs:
-    return Springs(
+def springs(n: int = 3) -> JointSprings:
+    return JointSprings(
         RANDOM.uniform(1, 5, n), RANDOM.uniform(0.01, 0.1, n), RANDOM.uniform(-0.2, 0.2, n)
     )
 
@@ -30,17 +30,17 @@ def inertia(n: int = 3) -> np.ndarray:
     return root @ root.T + n * np.eye(n)
 
 
-def refreshed(law: SpringLaw, mass: np.ndarray) -> None:
+def refreshed(law: SpringDamperLaw, mass: np.ndarray) -> None:
     """Have the law take an inertia, and hold no correction."""
     law.refresh(mass)
     nothing = np.zeros(len(mass))
-    law.hold(nothing, nothing, 1)
+    law.reuse(nothing, nothing, 1)
 
 
-def holding(law: SpringLaw) -> Callable[[], list[float]]:
+def holding(law: SpringDamperLaw) -> Callable[[], list[float]]:
     """Return what gives the torques of a law that holds its correction."""
     applied: list[list[float]] = []
-    hold = law.make_hold(applied.append)
+    hold = law.make_reuse(applied.append)
 
     def torques() -> list[float]:
         hold()
@@ -49,10 +49,10 @@ def holding(law: SpringLaw) -> Callable[[], list[float]]:
     return torques
 
 
-def plain_torques(law: SpringLaw, mass: np.ndarray, q, v, v_prev, tau_prev, u) -> np.ndarray:
+def plain_torques(law: SpringDamperLaw, mass: np.ndarray, q, v, v_prev, tau_prev, u) -> np.ndarray:
     """Return τ by the formulas of the module's docstring, one after the other."""
     k, q0 = law.springs.stiffness, law.springs.neutral
-    damping, b = law.parts.of(mass)
+    damping, b = law.coefficients.matrices(mass)
     s = u - k * (q - q0) - damping @ v
     f = mass @ (v - v_prev) / H - tau_prev
     a = np.linalg.solve(mass + b, f + s)
@@ -61,7 +61,7 @@ def plain_torques(law: SpringLaw, mass: np.ndarray, q, v, v_prev, tau_prev, u) -
 
 @pytest.mark.parametrize("integrator", ["implicit", "euler", "explicit"])
 def test_one_product_is_the_law(integrator: str) -> None:
-    law, mass = SpringLaw(springs(), H, integrator), inertia()
+    law, mass = SpringDamperLaw(springs(), H, integrator), inertia()
     refreshed(law, mass)
     hold = holding(law)
     v_prev = tau_prev = np.zeros(3)
@@ -74,7 +74,7 @@ def test_one_product_is_the_law(integrator: str) -> None:
 
 
 def test_the_correction_acts_like_actuation_and_the_lag_of_the_bias_like_force() -> None:
-    law, mass = SpringLaw(springs(), H, "implicit"), inertia()
+    law, mass = SpringDamperLaw(springs(), H, "implicit"), inertia()
     law.refresh(mass)
     quadratic = RANDOM.normal(size=(3, 3, 3))
 
@@ -89,7 +89,7 @@ def test_the_correction_acts_like_actuation_and_the_lag_of_the_bias_like_force()
         torques = law.correct(bias_at(v), bias_at)
         lag = np.zeros(3) if bias_prev is None else bias_prev - bias_at(v)
         first = plain_torques(law, mass, q, v, v_prev, tau_prev - lag, u)
-        damping, b = law.parts.of(mass)
+        damping, b = law.coefficients.matrices(mass)
         # τ = s - B a, so a = B⁻¹ (s - τ); half a step of it leads to the rates of the instant
         s = u - law.springs.stiffness * (q - law.springs.neutral) - damping @ v
         coming = v + 0.5 * H * np.linalg.solve(b, s - first)
@@ -100,13 +100,13 @@ def test_the_correction_acts_like_actuation_and_the_lag_of_the_bias_like_force()
 
 
 def test_a_held_correction_goes_on_as_it_grew_and_the_bias_as_it_fell() -> None:
-    law, mass = SpringLaw(springs(), H, "implicit"), inertia()
+    law, mass = SpringDamperLaw(springs(), H, "implicit"), inertia()
     law.refresh(mass)
     bias, coming, fall, growth = RANDOM.normal(size=(4, 3))
     law.correct(bias, lambda rates: coming)
     v_prev, tau_prev = law.rates.copy(), np.array(law.state[-3:])
     for _ in range(2):  # the second time, nothing is left of the first
-        law.hold(fall, growth, 4)
+        law.reuse(fall, growth, 4)
         hold = holding(law)
         for number in range(1, 5):
             q, v, u = RANDOM.normal(size=(3, 3))
@@ -128,17 +128,17 @@ def test_a_singular_matrix_has_no_inverse_and_stops_nothing() -> None:
 @pytest.mark.parametrize("integrator", ["implicit", "euler", "explicit"])
 def test_at_rest_the_torque_is_the_spring_s(integrator: str) -> None:
     """Whatever the step: f balances s, so a is zero, and statics are exact."""
-    law, mass = SpringLaw(springs(), H, integrator), inertia()
+    law, mass = SpringDamperLaw(springs(), H, integrator), inertia()
     refreshed(law, mass)
     law.angles[:], law.actuation[:] = [0.3, -0.1, 0.5], [1.0, 2.0, -1.0]
     expected = law.actuation + spring_damper_torques(law.springs, law.angles, law.rates)
-    law.measure(-expected)
+    law.set_force(-expected)
     assert holding(law)() == pytest.approx(expected, rel=1e-12)
     assert law.acceleration(mass, -expected) == pytest.approx(0, abs=1e-12)
 
 
 def test_a_new_mass_matrix_leaves_the_measured_force() -> None:
-    law, mass = SpringLaw(springs(), H, "implicit"), inertia()
+    law, mass = SpringDamperLaw(springs(), H, "implicit"), inertia()
     refreshed(law, mass)
     hold = holding(law)
     law.rates[:] = [1.0, 2.0, 3.0]
@@ -147,7 +147,7 @@ def test_a_new_mass_matrix_leaves_the_measured_force() -> None:
     heavier = mass + np.eye(3)
     refreshed(law, heavier)
     force = mass @ [0.1, -0.1, 0.2] / H - before
-    damping, b = law.parts.of(heavier)
+    damping, b = law.coefficients.matrices(heavier)
     springs_alone = spring_damper_torques(law.springs, law.angles, np.zeros(3))
     s = springs_alone - damping @ law.rates
     acceleration = np.linalg.solve(heavier + b, force + s)
@@ -158,8 +158,8 @@ def test_a_new_mass_matrix_leaves_the_measured_force() -> None:
 @pytest.mark.parametrize("integrator", ["implicit", "euler"])
 def test_the_linear_chain_is_stable_however_stiff(integrator: str, stiffer: float) -> None:
     soft = springs()
-    stiff = Springs(soft.stiffness * stiffer, soft.damping, soft.neutral)
-    law, mass = SpringLaw(stiff, H, integrator), inertia()
+    stiff = JointSprings(soft.stiffness * stiffer, soft.damping, soft.neutral)
+    law, mass = SpringDamperLaw(stiff, H, integrator), inertia()
     refreshed(law, mass)
     hold = holding(law)
     angles, rates = np.array([0.3, -0.2, 0.1]), np.zeros(3)
@@ -167,7 +167,7 @@ def test_the_linear_chain_is_stable_however_stiff(integrator: str, stiffer: floa
     law.rates[:] = rates = (
         -0.5 * H * law.acceleration(mass, np.zeros(3)) * (integrator == "implicit")
     )
-    law.measure(np.zeros(3))
+    law.set_force(np.zeros(3))
     largest = 0.0
     for _ in range(3000):
         law.angles[:], law.rates[:] = angles, rates
@@ -180,8 +180,8 @@ def test_the_linear_chain_is_stable_however_stiff(integrator: str, stiffer: floa
 def one_mode(x: float, y: float) -> tuple[float, float]:
     """Return (D + N) h/m and B/m of one mode with x = h d/m and y = h² k/m, in the implicit law."""
     stiffness, damping = np.array([y / H**2]), np.array([x / H])
-    law = SpringLaw(Springs(stiffness, damping, np.zeros(1)), H, "implicit")
-    (damped,), (implicit,) = (part[0] for part in law.parts.of(np.eye(1)))
+    law = SpringDamperLaw(JointSprings(stiffness, damping, np.zeros(1)), H, "implicit")
+    (damped,), (implicit,) = (part[0] for part in law.coefficients.matrices(np.eye(1)))
     return H * damped, implicit
 
 
@@ -237,14 +237,14 @@ def test_the_limits_are_those_of_backward_euler() -> None:
 def test_a_change_goes_on_but_for_what_a_blow_has_added() -> None:
     change = np.array([1.0, -1.0, 3.0, -3.0, 1.0, 1.0, 0.1])
     before = np.array([0.9, -2.0, 1.0, -1.0, -1.0, 0.0, 1.0])
-    assert carried_on(change, before, 0.2).tolist() == [1.0, -1.0, 2.0, -2.0, 0.0, 0.0, 0.1]
-    assert carried_on(change, before, 3.0) is change
+    assert limited_change(change, before, 0.2).tolist() == [1.0, -1.0, 2.0, -2.0, 0.0, 0.0, 0.1]
+    assert limited_change(change, before, 3.0) is change
 
 
-@pytest.mark.parametrize(("can_be_struck", "expected"), [(False, 20.0), (True, 2.0)])
-def test_bias_forces_go_on_with_no_blow(can_be_struck: bool, expected: float) -> None:
-    law = SpringLaw(Springs(np.ones(1), np.zeros(1), np.zeros(1)), H, "implicit")
-    law.can_be_struck = can_be_struck
+@pytest.mark.parametrize(("detects_impacts", "expected"), [(False, 20.0), (True, 2.0)])
+def test_bias_forces_go_on_with_no_blow(detects_impacts: bool, expected: float) -> None:
+    law = SpringDamperLaw(JointSprings(np.ones(1), np.zeros(1), np.zeros(1)), H, "implicit")
+    law.detects_impacts = detects_impacts
     law.refresh(np.ones((1, 1)))
     asked: list[float] = []
 
@@ -252,8 +252,8 @@ def test_bias_forces_go_on_with_no_blow(can_be_struck: bool, expected: float) ->
         asked.append(float(rates[0]))
         return np.zeros(1)
 
-    sudden = SUDDEN / H**2
+    sudden = SMOOTH / H**2
     for force in (2 * sudden, 2 * sudden, 40 * sudden):
-        law.measure(np.array([force]), np.zeros(1))
+        law.set_force(np.array([force]), np.zeros(1))
         law.correct(np.zeros(1), bias_at)
     assert asked[2] / asked[1] == pytest.approx(expected)

@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from somo_cli.simulation.integrator.joint_limits import Stops, least_torques
+from somo_cli.simulation.integrator.joint_limits import JointLimits, limit_torques
 from tests.loading import rows_of, scene_from_text
 from tests.manipulator.bodies import EVERYTHING, chain_of
 from tests.simulation.test_physics import JOINTS
@@ -21,7 +21,7 @@ def test_least_torques_solve_the_complementarity_problem(seed: int) -> None:
     response = root @ root.T + 1e-3 * np.eye(n)
     lowest, highest = -random.uniform(0, 1, n), random.uniform(0, 1, n)
     acceleration = 3 * random.normal(size=n)
-    torques = least_torques(acceleration, response, lowest, highest)
+    torques = limit_torques(acceleration, response, lowest, highest)
     reached = acceleration + response @ torques
     assert (reached < highest + 1e-9).all()
     assert (reached > lowest - 1e-9).all()
@@ -29,17 +29,17 @@ def test_least_torques_solve_the_complementarity_problem(seed: int) -> None:
     assert reached[torques > 0] == pytest.approx(lowest[torques > 0], abs=1e-9)
 
 
-def stops(*limits: tuple[float, float]) -> Stops:
+def stops(*limits: tuple[float, float]) -> JointLimits:
     """Return the stops of so many joints; lower beyond upper means none, as in a chain."""
     joint = chain_of(EVERYTHING).joints[0]
-    return Stops([dataclasses.replace(joint, lower=a, upper=b) for a, b in limits])
+    return JointLimits([dataclasses.replace(joint, lower=a, upper=b) for a, b in limits])
 
 
 def test_room_is_to_the_nearest_limit() -> None:
     some = stops((-0.5, 1.0), (1.0, -1.0), (-2.0, 0.7))
-    assert some.room(np.array([0.0, 9.0, 0.0])) == pytest.approx(0.5)
-    assert some.room(np.array([0.0, 9.0, 0.4])) == pytest.approx(0.3)
-    assert stops((1.0, -1.0)).room(np.array([9.0])) == np.inf
+    assert some.clearance(np.array([0.0, 9.0, 0.0])) == pytest.approx(0.5)
+    assert some.clearance(np.array([0.0, 9.0, 0.4])) == pytest.approx(0.3)
+    assert stops((1.0, -1.0)).clearance(np.array([9.0])) == np.inf
 
 
 def test_a_joint_beyond_its_limit_comes_back_by_a_fifth_in_each_step() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from somo_cli.problems import SimulationDiverged
-from somo_cli.simulation.integrator.motion_work_bound import Allowance
+from somo_cli.simulation.integrator.motion_work_bound import MotionWorkBound
 from somo_cli.simulation.plan.model import Plan, make_plan
 from tests.loading import rows_of, scene_from_text
 from tests.manipulator.bodies import Data
@@ -79,31 +79,31 @@ def test_in_the_frame_acceleration_pulls_and_a_turn_lets_fall() -> None:
     plan = plan_of({"translation": [[0, 0, 0, 0]]})
     (body,) = plan.bodies
     mass = sum(link.inertial.mass for link in body.chain.links[1:])
-    one = Allowance(plan, body.chain)
+    one = MotionWorkBound(plan, body.chain)
     one.advance(velocity(0, 0, 0, 0, 0, 0), velocity(0, 0, 0, 3, 4, 0))
     # what hangs loose and at rest gets no more than m v² / 2
-    assert one.in_frame(0.0) == pytest.approx(mass * 25 / 2)
-    assert one.in_frame(0.0) == 0
+    assert one.frame_work(0.0) == pytest.approx(mass * 25 / 2)
+    assert one.frame_work(0.0) == 0
     one.advance(velocity(0, 0, 0, 3, 4, 0), velocity(0, 0, 0, 3, 4, 0))
-    assert one.in_frame(7.0) == 0
+    assert one.frame_work(7.0) == 0
     slow = 1e-6  # rad/s, all along
     one.advance(velocity(slow, 0, 0, 0, 0, 0), velocity(slow, 0, 0, 0, 0, 0))
-    fallen = one.in_frame(0.0)
+    fallen = one.frame_work(0.0)
     weight = mass * 9.81 * 20 * slow * plan.time_step
     assert body.chain.length * weight < fallen < 1.5 * body.chain.length * weight
 
 
 def test_pushing_does_force_times_way_and_each_blow_more() -> None:
     plan = plan_of({"translation": [[0, 0, 0, 0]]}, ground={"height": -9})
-    one = Allowance(plan, plan.bodies[0].chain)
+    one = MotionWorkBound(plan, plan.bodies[0].chain)
     mass = sum(link.inertial.mass for link in plan.bodies[0].chain.links)
     one.advance(velocity(0, 0, 0, 2, 0, 0), velocity(0, 0, 0, 2, 0, 0))
-    assert one.by_contact((0, 0, 0, 0)) == 0
+    assert one.contact_work((0, 0, 0, 0)) == 0
     for _ in range(2):
         one.advance(velocity(0, 0, 0, 2, 0, 0), velocity(0, 0, 0, 2, 0, 0))
         way = 2 * plan.time_step
-        assert one.by_contact((3, 0, 4, 4)) == pytest.approx(9 * way + 2 * mass * 4)
+        assert one.contact_work((3, 0, 4, 4)) == pytest.approx(9 * way + 2 * mass * 4)
         one.advance(velocity(0, 0, 0, 2, 0, 0), velocity(0, 0, 0, 2, 0, 0))
-        assert one.by_contact((3, 0, 4, 4)) == pytest.approx(9 * way)
-        assert one.by_contact((0, 0, 0, 0)) == 0
+        assert one.contact_work((3, 0, 4, 4)) == pytest.approx(9 * way)
+        assert one.contact_work((0, 0, 0, 0)) == 0
     assert not plan_of({"translation": [[0, 0, 0, 0]]}).can_touch

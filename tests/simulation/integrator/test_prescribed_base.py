@@ -73,7 +73,7 @@ def test_the_base_is_where_its_path_says(step: float, interpolation: str) -> Non
 @pytest.mark.parametrize("name", MOTIONS)
 def test_the_joints_feel_it_as_in_mujoco(name: str) -> None:
     pytest.importorskip("mujoco")
-    from tests.simulation.mujoco_reference import led_trajectory, model_of
+    from tests.simulation.mujoco_reference import model_of, prescribed_trajectory
 
     (one,) = finger(MOTIONS[name], 1e-3).manipulators
     assert one.motion is not None
@@ -85,9 +85,9 @@ def test_the_joints_feel_it_as_in_mujoco(name: str) -> None:
         del data["about"]
     else:
         data = MOTIONS[name]
-    model = model_of(one.compiled.chain, (0, 0, -9.81), 2.5e-4, is_led=True)
+    model = model_of(one.compiled.chain, (0, 0, -9.81), 2.5e-4, has_prescribed_base=True)
     times = np.arange(0, 0.51, 0.02).tolist()
-    reference = led_trajectory(model, motion, times)
+    reference = prescribed_trajectory(model, motion, times)
     errors = []
     for step in (2e-3, 1e-3, 5e-4):
         found = angles_in(table(finger(data, step), 0.5))

@@ -8,7 +8,7 @@ import math
 
 import pytest
 
-from somo_cli.simulation.engine.contacts import Place, Touch
+from somo_cli.simulation.engine.contacts import ContactPoint, LinkIndex
 from somo_cli.simulation.monitoring.contact_events import (
     ContactEvent,
     ContactEventWriter,
@@ -24,12 +24,12 @@ from tests.simulation.fake_world import FakeWorld
 STEP = 1e-3
 
 
-def pressing(first: Place, second: Place, force: float, x: float = 0.0) -> Touch:
+def pressing(first: LinkIndex, second: LinkIndex, force: float, x: float = 0.0) -> ContactPoint:
     rubs = ((0.0, 1.0, 0.0), 0.0), ((0.0, 0.0, 1.0), 0.0)
-    return Touch(first, second, (x, 0.0, 0.0), (1.0, 0.0, 0.0), force, rubs)
+    return ContactPoint(first, second, (x, 0.0, 0.0), (1.0, 0.0, 0.0), force, rubs)
 
 
-def events_of(*steps: list[Touch]) -> list[ContactEvent]:
+def events_of(*steps: list[ContactPoint]) -> list[ContactEvent]:
     found: list[ContactEvent] = []
     watch = ContactMonitor(STEP, found.append)
     for number, touches in enumerate(steps, start=1):
@@ -128,7 +128,7 @@ def test_contacts_are_not_asked_for_unless_wanted() -> None:
     plan = make_plan(scene_from_text(json.dumps(scene_of(CUBE) | {"objects": []})))
     world = FakeWorld(plan)
     asked: list[int] = []
-    world.touches = lambda: asked.append(world.steps) or []  # type: ignore[func-returns-value, method-assign]
+    world.contact_points = lambda: asked.append(world.steps) or []  # type: ignore[func-returns-value, method-assign]
     run(plan, world, lambda values: None, 20, lambda: 0.0)
     assert asked == []
     begun = world.steps

@@ -17,7 +17,7 @@ from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.integrator.energy_bound import SMALL_ANGLE, BodyEnergy
 from somo_cli.simulation.monitoring import divergence
 from somo_cli.simulation.monitoring.divergence import DivergenceMonitor, StateHistory
-from somo_cli.simulation.plan.joint_springs import Springs
+from somo_cli.simulation.plan.joint_springs import JointSprings
 from somo_cli.simulation.plan.model import Plan, make_plan
 from tests.loading import DEFINITIONS, rows_of, scene_from_file, scene_from_text, simulated
 from tests.manipulator.bodies import actuator, hinge, manipulator
@@ -209,7 +209,7 @@ def test_the_advice_for_the_other_integrators() -> None:
 class BodyInMotion:
     body: divergence.Body
     energy: BodyEnergy
-    fastest: float
+    max_rate: float
     mass: np.ndarray
     mass_at_start: np.ndarray
     rates: np.ndarray
@@ -222,13 +222,13 @@ def moving(plan: Plan, rates: Sequence[float], index: int = 0) -> BodyInMotion:
     """Return a body of hinges at rest at its neutral angles, which then has these rates."""
     body = plan.bodies[index]
     ones = np.ones(len(rates))
-    springs = Springs(STIFFNESS * ones, 0.0 * ones, NEUTRAL * ones)
+    springs = JointSprings(STIFFNESS * ones, 0.0 * ones, NEUTRAL * ones)
     energy = BodyEnergy(body, springs, (0.0, 0.0, 0.0))
     mass = INERTIA * np.diag(ones)
     for present in (0.0 * ones, np.array(rates)):
         energy.update(NEUTRAL * ones, present, mass)
-    fastest = float(np.abs(rates).max()) if np.isfinite(rates).all() else math.nan
-    return BodyInMotion(body, energy, fastest, mass, mass, np.array(rates))
+    max_rate = float(np.abs(rates).max()) if np.isfinite(rates).all() else math.nan
+    return BodyInMotion(body, energy, max_rate, mass, mass, np.array(rates))
 
 
 def test_what_is_not_a_number_is_noticed_and_named() -> None:
@@ -289,7 +289,7 @@ def test_what_a_pulse_between_two_looks_puts_in_is_counted(
 
 
 def test_a_pulse_that_is_not_counted_would_be_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(BodyEnergy, "give", lambda energy, work: None)
+    monkeypatch.setattr(BodyEnergy, "add_work", lambda energy, work: None)
     with pytest.raises(SimulationDiverged):
         test_what_a_pulse_between_two_looks_puts_in_is_counted(
             "actuation=[{{actuator: 0, axis: 0, {}}}]", 0.0005, 1
@@ -305,7 +305,7 @@ def test_rows_before_the_first_that_is_refused_are_sound() -> None:
     plan = plan_of_hinges(1, names=("a", "b"))
     bodies = [moving(plan, [1.0], index) for index in range(2)]
     for body in bodies:
-        body.energy.give(1.0)
+        body.energy.add_work(1.0)
     monitor = DivergenceMonitor(plan, bodies)
     calm = history_of([NEUTRAL] * 5, [0.1] * 5)
     assert monitor.count_valid_rows([calm, calm]) == 5

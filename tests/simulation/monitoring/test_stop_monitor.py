@@ -15,7 +15,7 @@ from somo_cli.scene.stop_conditions import (
     StopOutsideBox,
     read_stop_conditions,
 )
-from somo_cli.simulation.integrator.refresh_policy import STEPS_BETWEEN_LOOKS
+from somo_cli.simulation.integrator.refresh_policy import MONITORING_INTERVAL
 from somo_cli.simulation.plan.model import Plan, make_plan
 from tests.loading import scene_from_text, simulated
 from tests.manipulator.bodies import Data
@@ -87,11 +87,11 @@ def test_rest_is_found_wherever_rows_fall(every: int) -> None:
     ended = Ended(plan, FakeWorld(plan), 4000)
     assert ended.summary is not None
     last = ended.summary.steps
-    assert last % STEPS_BETWEEN_LOOKS == 0
+    assert last % MONITORING_INTERVAL == 0
     assert ended.summary.stopped is not None
     assert ended.summary.stopped.reason == "all has been at rest for 0.6 s"
     moving = np.flatnonzero(np.abs(rows[: last + 1, 2]) > 0.5)[-1]
-    assert 600 <= last - moving <= 600 + 2 * STEPS_BETWEEN_LOOKS
+    assert 600 <= last - moving <= 600 + 2 * MONITORING_INTERVAL
     # up to there nothing has changed, and the last row is there
     assert ended.rows[-1] == rows[last].tolist()
 
@@ -114,7 +114,7 @@ def test_a_cube_falls_out_of_its_box(every: int, scale: int) -> None:
     data["record"] = {"every": every, "columns": []}
     rows, summary = simulated(scene_from_text(json.dumps(data)), 5000)
     fallen = np.sqrt(2 * 0.5 / G) * 1000
-    assert fallen <= summary.steps <= fallen + STEPS_BETWEEN_LOOKS
+    assert fallen <= summary.steps <= fallen + MONITORING_INTERVAL
     height = 1 - G * (summary.steps * 1e-3) ** 2 / 2
     assert rows[-1][3] == pytest.approx(height, abs=1e-9)
     assert summary.stopped is not None
@@ -137,4 +137,4 @@ def test_a_cube_slides_until_it_rests() -> None:
 
 def test_a_plan_without_conditions_looks_at_nothing() -> None:
     plan = make_plan(scene_from_text(json.dumps(scene_of(CUBE))))
-    assert (plan.stop_conditions, plan.ends_in_row) == ((), False)
+    assert (plan.stop_conditions, plan.records_last_step) == ((), False)

@@ -102,7 +102,7 @@ def test_the_engine_knows_limits_where_the_law_alone_may_miss_them() -> None:
     (explicit,) = plan(alone, integrator="explicit").bodies
     (pushed,) = plan(alone, ground={"height": 0}).bodies
     assert all(one.has_engine_limits for one in (free, explicit, pushed))
-    assert not any(one.has_idle_motors for one in (body, free, explicit, pushed))
+    assert not any(one.has_zero_torque_motors for one in (body, free, explicit, pushed))
 
 
 def tags(text: str) -> set[str]:

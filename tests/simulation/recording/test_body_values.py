@@ -16,11 +16,11 @@ from somo_cli.manipulator.dimensions import Dimension, Scale
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.scene import columns
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
-from somo_cli.simulation.dynamics.forward_kinematics import ChainPoses
+from somo_cli.simulation.dynamics.forward_kinematics import ForwardKinematics
 from somo_cli.simulation.engine.bullet.world import BulletBody, BulletWorld
-from somo_cli.simulation.engine.contacts import Touch
+from somo_cli.simulation.engine.contacts import ContactPoint
 from somo_cli.simulation.plan.model import TORQUE, Plan
-from somo_cli.simulation.plan.units import units_of
+from somo_cli.simulation.plan.units import unit_factors_of
 from somo_cli.simulation.recording.body_values import BODY_VALUES, BodyStates
 from tests.manipulator.bodies import EVERYTHING, X, Y, actuator, bent, manipulator
 from tests.scene.test_columns import ALL, NAMES, plan_of
@@ -45,8 +45,8 @@ def state_of(plan: Plan, angles: Any, rates: Any, actuation: Any, base: Pose) ->
     dynamics = functools.partial(ChainDynamics, body.chain)
     force = plan.scale.factor(Dimension(mass=1, length=1, time=-2))
     rubs = ((1.0, 0.0, 0.0), force), ((0.0, 1.0, 0.0), -2 * force)
-    touch = Touch((0, 1), (1, 0), (0.0, 0.0, 0.0), (0.0, 0.0, 1.0), 3 * force, rubs)
-    poses = ChainPoses(body.chain)
+    touch = ContactPoint((0, 1), (1, 0), (0.0, 0.0, 0.0), (0.0, 0.0, 1.0), 3 * force, rubs)
+    poses = ForwardKinematics(body.chain)
     angles, rates, actuation = (np.array(one)[:, np.newaxis] for one in (angles, rates, actuation))
     return BodyStates(
         body, angles, rates, actuation, [base], [velocity], plan.gravity, poses, dynamics,
@@ -55,7 +55,7 @@ def state_of(plan: Plan, angles: Any, rates: Any, actuation: Any, base: Pose) ->
 
 
 def row_of(plan: Plan, states: BodyStates) -> dict[str, float]:
-    units = units_of(plan)
+    units = unit_factors_of(plan)
     return {
         name: value
         for group in columns.body_column_groups(plan.recorded)

@@ -103,12 +103,12 @@ def test_there_is_one_call_of_the_engine_for_a_row(monkeypatch: pytest.MonkeyPat
     from somo_cli.simulation.engine.bullet.world import BulletWorld
 
     asked: list[int] = []
-    touches = BulletWorld.touches
+    touches = BulletWorld.contact_points
 
     def counted(world: BulletWorld) -> object:
         asked.append(1)
         return touches(world)
 
-    monkeypatch.setattr(BulletWorld, "touches", counted)
+    monkeypatch.setattr(BulletWorld, "contact_points", counted)
     rows = rows_of(scene_from_file("push_scene.yaml"), 100)
     assert len(asked) == len(rows) - 1 == 10  # nothing has touched at the start

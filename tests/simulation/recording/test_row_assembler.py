@@ -33,7 +33,7 @@ def test_what_no_column_needs_is_not_read(verb: str) -> None:
         plan = plan_of_hinges(2, names=("a", "b"), record=record)
         world = FakeWorld(plan)
         if verb == "touches":
-            world.touches = refuse  # type: ignore[assignment, method-assign]
+            world.contact_points = refuse  # type: ignore[assignment, method-assign]
         for body in world.bodies:
             if verb == "base_pose":
                 body.base_pose = refuse  # type: ignore[assignment, method-assign]

@@ -20,68 +20,74 @@ import numpy as np
 
 from somo_cli.arrays import Array
 
-STIFFNESS = 0.1  # of a spring, times mass / step²: explicit, and 40 times from unstable
-DAMPING = 0.16  # of a damper, times mass / step: a quarter of critical
+STIFFNESS_FACTOR = 0.1  # of a spring, times mass / step²: explicit, and 40 times from unstable
+DAMPING_FACTOR = 0.16  # of a damper, times mass / step: a quarter of critical
 
-Key = tuple[int, int, int, int]
+ContactKey = tuple[int, int, int, int]
 """A link in contact with another: body and link, and body and link of the other."""
 
 
-class Grip:
+class AnisotropicFriction:
     """The springs of all points of contact, from one step to the next; engine units."""
 
     def __init__(self, time_step: float) -> None:
         self._time_step = time_step
-        self._keys: Sequence[Key] = ()
-        self._places: Array = np.zeros((0, 3))
-        self._held: Array = np.zeros((0, 3))
+        self._keys: Sequence[ContactKey] = ()
+        self._local_points: Array = np.zeros((0, 3))
+        self._spring_forces: Array = np.zeros((0, 3))
 
     def forces(
         self,
-        keys: Sequence[Key],
-        places: Array,
+        keys: Sequence[ContactKey],
+        local_points: Array,
         normals: Array,
-        slips: Array,
+        slip_velocities: Array,
         limits: Array,
         masses: Array,
         factors: Array,
     ) -> Array:
         """Return the friction on each point, shape (p, 3), in the world, and remember its springs.
 
-        `places` are the points in the axes of their links, by which they are found again, `normals`
-        and `slips` their normals and relative velocities in the world, `limits` the coefficient
+        `local_points` are the points in the axes of their links, by which they are found again, `normals`
+        and `slip_velocities` their normals and relative velocities in the world, `limits` the coefficient
         times the normal force, `masses` what a spring has to move; `factors` (p, 3, 3) the matrices
         S in the world.
         """
-        held = self._found_again(keys, places)
-        sliding = slips - _along(slips, normals)
+        spring_forces = self._matched_springs(keys, local_points)
+        sliding = slip_velocities - _normal_parts(slip_velocities, normals)
         per_mass = masses[:, None] / self._time_step
-        held = held - _along(held, normals) - STIFFNESS * per_mass * sliding
-        braked = DAMPING * per_mass * sliding
-        whole = held - braked
-        sizes = np.sqrt((whole * whole).sum(axis=1))
+        spring_forces = (
+            spring_forces
+            - _normal_parts(spring_forces, normals)
+            - STIFFNESS_FACTOR * per_mass * sliding
+        )
+        damper_forces = DAMPING_FACTOR * per_mass * sliding
+        friction_forces = spring_forces - damper_forces
+        sizes = np.sqrt((friction_forces * friction_forces).sum(axis=1))
         shares = np.minimum(1.0, limits / np.maximum(sizes, 1e-300))
-        whole *= shares[:, None]
-        self._keys, self._places = keys, places
-        self._held = np.where(shares[:, None] < 1.0, whole + braked, held)
-        # a spring that slips is no longer than the limit, or it would have to unwind
-        lengths = np.sqrt((self._held * self._held).sum(axis=1))
-        self._held *= np.minimum(1.0, limits / np.maximum(lengths, 1e-300))[:, None]
-        forces: Array = np.einsum("pij,pj->pi", factors, whole)
-        forces -= _along(forces, normals)
+        friction_forces *= shares[:, None]
+        self._keys, self._local_points = keys, local_points
+        self._spring_forces = np.where(
+            shares[:, None] < 1.0, friction_forces + damper_forces, spring_forces
+        )
+        # a spring that slip_velocities is no longer than the limit, or it would have to unwind
+        lengths = np.sqrt((self._spring_forces * self._spring_forces).sum(axis=1))
+        self._spring_forces *= np.minimum(1.0, limits / np.maximum(lengths, 1e-300))[:, None]
+        forces: Array = np.einsum("pij,pj->pi", factors, friction_forces)
+        forces -= _normal_parts(forces, normals)
         return forces
 
-    def let_go(self) -> None:
+    def clear(self) -> None:
         """Forget every spring: nothing touches."""
         self._keys = ()
-        self._places = self._held = np.zeros((0, 3))
+        self._local_points = self._spring_forces = np.zeros((0, 3))
 
-    def _found_again(self, keys: Sequence[Key], places: Array) -> Array:
-        """Return what each spring held, that of the nearest point of the same two links."""
+    def _matched_springs(self, keys: Sequence[ContactKey], local_points: Array) -> Array:
+        """Return what each spring spring_forces, that of the nearest point of the same two links."""
         if not self._keys or not keys:
-            return np.zeros_like(places)
-        apart = places[:, None, :] - self._places[None, :, :]
-        squares = np.einsum("ijk,ijk->ij", apart, apart)
+            return np.zeros_like(local_points)
+        differences = local_points[:, None, :] - self._local_points[None, :, :]
+        squares = np.einsum("ijk,ijk->ij", differences, differences)
         numbers = {key: number for number, key in enumerate(self._keys)}
         before = np.array([numbers[key] for key in self._keys])
         now = np.array([numbers.get(key, -1) for key in keys])
@@ -89,11 +95,11 @@ class Grip:
         squares[is_other] = np.inf
         nearest = squares.argmin(axis=1)
         is_new = is_other[np.arange(len(keys)), nearest]
-        found: Array = np.where(is_new[:, None], 0.0, self._held[nearest])
+        found: Array = np.where(is_new[:, None], 0.0, self._spring_forces[nearest])
         return found
 
 
-def _along(vectors: Array, normals: Array) -> Array:
+def _normal_parts(vectors: Array, normals: Array) -> Array:
     """Return the parts of vectors along unit normals, both of shape (p, 3)."""
     along: Array = (vectors * normals).sum(axis=1)[:, None] * normals
     return along

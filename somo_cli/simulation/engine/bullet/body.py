@@ -14,17 +14,17 @@ from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import EngineRefused
-from somo_cli.simulation.engine.bullet.contact_parameters import settings
+from somo_cli.simulation.engine.bullet.contact_parameters import surface_settings
 from somo_cli.simulation.engine.bullet.dynamics import BulletDynamics
-from somo_cli.simulation.engine.bullet.self_collision import spare_near_links
+from somo_cli.simulation.engine.bullet.self_collision import disable_near_collisions
 from somo_cli.simulation.engine.readback import EngineJoint, EngineLink, mismatches
 from somo_cli.simulation.plan.model import Body
 
-MANY_JOINTS = 40  # for more of them it takes longer to read numbers for nothing than names
+MAX_UNNAMED_JOINTS = 40  # for more of them it takes longer to read numbers for nothing than names
 UNLIMITED_RATE = 1e12  # rad/s; the engine's own clamp of 100 hides divergence
 # engine units; seen in 3.2.7: any motor has its row whose force times the time step is not 0, and
 # one of this force changes no rate but one that is exactly 0, to less than 1e-290 or so
-IDLE_TORQUE = 1e-300
+ZERO_EFFECT_TORQUE = 1e-300
 
 
 class BulletBody(BulletDynamics):
@@ -50,15 +50,15 @@ class BulletBody(BulletDynamics):
             bullet.getJointStates, index, self._joints, client
         )
         self.apply = self._make_apply()
-        self._read_back()
-        self._release()
+        self._check_readback()
+        self._disable_engine_defaults()
         if body.has_self_collision:
-            spare_near_links(bullet, client, self.index, self.links, body.chain)
+            disable_near_collisions(bullet, client, self.index, self.links, body.chain)
         self._com_in_base, self._inertial_in_base = self._base_inertial_frame()
         self.reset(body.start.angles, body.start.rates)
-        self._feel_gravity()
+        self._update_gravity_in_base()
         if body.base == "constrained":
-            self._hold_base()
+            self._constrain_base()
 
     def _make_apply(self) -> Callable[[Sequence[float]], None]:
         """Return the function that applies joint torques, base to tip, during the next step."""
@@ -73,19 +73,19 @@ class BulletBody(BulletDynamics):
         def apply_to_many(torques: Sequence[float]) -> None:
             control(index, joints, mode, forces=torques, physicsClientId=client)
 
-        return apply if len(joints) <= MANY_JOINTS else apply_to_many
+        return apply if len(joints) <= MAX_UNNAMED_JOINTS else apply_to_many
 
     @property
     def links(self) -> tuple[int, ...]:
         """The engine's numbers of the links, base to tip."""
         return (-1, *self._joints)
 
-    def push_base(self, wrench: Array, centre: Pose | None = None) -> None:
+    def apply_base_wrench(self, wrench: Array, centre: Pose | None = None) -> None:
         """Apply a torque and a force, shape (6,), to the base's centre of mass in the next step.
 
         In the base's own axes, as `bias` gives them; `centre` is as there.
         """
-        at = centre or self.centre_pose()
+        at = centre or self.base_inertial_pose()
         tx, ty, tz, fx, fy, fz = wrench.tolist()
         torque, force = (geometry.rotate(at.rotation, one) for one in ((tx, ty, tz), (fx, fy, fz)))
         bullet, client, world = self._bullet, self._client, self._bullet.WORLD_FRAME
@@ -94,7 +94,7 @@ class BulletBody(BulletDynamics):
 
     def base_pose(self) -> Pose:
         """Return the pose in the world of the base's URDF frame; the engine tells the centre's."""
-        centre = self.centre_pose()
+        centre = self.base_inertial_pose()
         rotation = geometry.multiply(centre.rotation, geometry.transposed(self._inertial_in_base))
         offset = geometry.rotate(rotation, self._com_in_base)
         return Pose(geometry.subtract(centre.position, offset), rotation)
@@ -151,7 +151,7 @@ class BulletBody(BulletDynamics):
             raise EngineRefused(self._body.name, f"{len(by_name)} joints, missing {missing}")
         return [by_name[joint.name] for joint in self._body.chain.joints]
 
-    def _release(self) -> None:
+    def _disable_engine_defaults(self) -> None:
         """Switch off what is in nobody's model: engine damping, rate clamp, joint motors.
 
         Motors stay where the plan wants their rows, with a torque that does nothing.
@@ -168,11 +168,11 @@ class BulletBody(BulletDynamics):
                 physicsClientId=client,
             )
             # seen in 3.2.7: said together with a rate, a link's surface is not heard, only a base's
-            surface = settings(self._body.surfaces.of_link(number, self._body.chain))
+            surface = surface_settings(self._body.surfaces.of_link(number, self._body.chain))
             bullet.changeDynamics(body, link, **surface, physicsClientId=client)
         # every joint has a velocity motor by default; with zero force it is gone, with a force
         # it is dry friction of that torque
-        least = IDLE_TORQUE if self._body.has_idle_motors else 0.0
+        least = ZERO_EFFECT_TORQUE if self._body.has_zero_torque_motors else 0.0
         for index, joint in zip(self._joints, self._body.chain.joints, strict=True):
             bullet.setJointMotorControl2(
                 body,
@@ -183,7 +183,7 @@ class BulletBody(BulletDynamics):
                 physicsClientId=client,
             )
 
-    def _hold_base(self) -> None:
+    def _constrain_base(self) -> None:
         start = self._body.start
         frame = start.pose
         inverse = geometry.transposed(self._inertial_in_base)
@@ -206,7 +206,7 @@ class BulletBody(BulletDynamics):
         dynamics = self._bullet.getDynamicsInfo(self.index, -1, self._client)
         return dynamics[3], geometry.rotation_from_quaternion(dynamics[4])
 
-    def _read_back(self) -> None:
+    def _check_readback(self) -> None:
         """Compare what the engine understood with what was compiled.
 
         This catches an inertia the engine would not take, cut lines and misread numbers.
@@ -218,14 +218,14 @@ class BulletBody(BulletDynamics):
             has_mass = index > 0 or self._body.base != "static"  # a static base reads as mass 0
             links.append(EngineLink(dynamics[0], dynamics[3], dynamics[2]) if has_mass else None)
             if index > 0:
-                told = bullet.getJointInfo(self.index, link, client)
+                info = bullet.getJointInfo(self.index, link, client)
                 # the engine tells the axis in the principal axes of the child
                 principal = geometry.rotation_from_quaternion(dynamics[4])
-                axis = geometry.rotate(principal, told[13])
-                joints.append(EngineJoint(told[16], axis, told[8], told[9]))
+                axis = geometry.rotate(principal, info[13])
+                joints.append(EngineJoint(info[16], axis, info[8], info[9]))
         chain = self._body.chain
-        meant = chain if self._body.has_engine_limits else chain.without_limits()
-        found = mismatches(meant, links, joints)
+        expected = chain if self._body.has_engine_limits else chain.without_limits()
+        found = mismatches(expected, links, joints)
         if found:
             more = f"; and {len(found) - 3} more" if len(found) > 3 else ""
             raise EngineRefused(self._body.name, "; ".join(found[:3]) + more)

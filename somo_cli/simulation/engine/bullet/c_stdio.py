@@ -18,7 +18,7 @@ def captured_output() -> Iterator[Callable[[], str]]:
         duplicates = {descriptor: duplicate(descriptor) for descriptor in (1, 2)}
         saved = {key: value for key, value in duplicates.items() if value is not None}
 
-        def said() -> str:
+        def printed() -> str:
             flush_c()
             kept.seek(0)
             lines = kept.read().decode(errors="replace").splitlines()
@@ -29,7 +29,7 @@ def captured_output() -> Iterator[Callable[[], str]]:
             sys.stderr.flush()
             for descriptor in saved:
                 os.dup2(kept.fileno(), descriptor)
-            yield said
+            yield printed
         finally:
             flush_c()
             for descriptor, original in saved.items():

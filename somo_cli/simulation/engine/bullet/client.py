@@ -8,13 +8,13 @@ from typing import Any
 from somo_cli.problems import EngineMissing
 
 
-def engine(what_is: str = "the engine, PyBullet, is") -> Any:
-    """Return the module; raise EngineMissing where there is none, of `what_is` missing then."""
+def import_pybullet(missing: str = "the engine, PyBullet, is") -> Any:
+    """Return the module; raise EngineMissing where there is none, of `missing` missing then."""
     try:
         import pybullet
     except ImportError as error:
         raise EngineMissing(
-            f"{what_is} not installed for this Python "
+            f"{missing} not installed for this Python "
             f"({sys.version_info.major}.{sys.version_info.minor}); "
             "build and check work without it"
         ) from error

@@ -7,24 +7,26 @@ from typing import Any
 
 from somo_cli.simulation.plan.model import Plan
 
-ITERATIONS = 200  # of the solver, at most: few contacts need half of them
-OF_MANY = 50  # where there are many: what they leave undone is less than what steps get wrong
-MANY = 16  # points of contact; what one costs grows with their number
-STILL = 1e-11  # m/s: how far the solver may leave a joint or contact from what it is to do
+MAX_ITERATIONS = 200  # of the solver, at most: few contacts need half of them
+CROWD_ITERATIONS = (
+    50  # where there are many: what they leave undone is less than what steps get wrong
+)
+CROWD = 16  # points of contact; what one costs grows with their number
+RESIDUAL_SPEED = 1e-11  # m/s: how far the solver may leave a joint or contact from what it is to do
 
 
-def iterations(points: int) -> int:
+def iteration_limit(points: int) -> int:
     """Return how many iterations the solver may take with so many points of contact."""
-    return ITERATIONS if points <= MANY else OF_MANY
+    return MAX_ITERATIONS if points <= CROWD else CROWD_ITERATIONS
 
 
-def residual(plan: Plan) -> float:
+def squared_residual_speed(plan: Plan) -> float:
     """Return the square of the speed [engine units/s] that the solver may leave undone."""
-    speed: float = STILL * plan.scale.length
+    speed: float = RESIDUAL_SPEED * plan.scale.length
     return speed**2
 
 
-def spare_all(bullet: Any, client: int, body: int, links: Iterable[int]) -> None:
+def disable_collisions(bullet: Any, client: int, body: int, links: Iterable[int]) -> None:
     """Keep links of a body from being paired with anything.
 
     Seen in 3.2.7: links without shapes are paired with those near them all the same, in every step.
@@ -33,13 +35,15 @@ def spare_all(bullet: Any, client: int, body: int, links: Iterable[int]) -> None
         bullet.setCollisionFilterGroupMask(body, link, 0, 0, physicsClientId=client)
 
 
-def spare_held(bullet: Any, client: int, led: Iterable[int], held: Sequence[int]) -> None:
+def disable_fixed_collisions(
+    bullet: Any, client: int, constrained: Iterable[int], held: Sequence[int]
+) -> None:
     """Keep bases that a constraint holds from colliding with each other and with what is held.
 
     Two of which neither yields would fight without end; for fixed ones the engine does so itself.
     The numbers are the engine's, of bodies.
     """
-    for base in led:
+    for base in constrained:
         for other in held:
             if other != base:
                 bullet.setCollisionFilterPair(base, other, -1, -1, 0, physicsClientId=client)

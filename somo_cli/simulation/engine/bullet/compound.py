@@ -11,7 +11,7 @@ from typing import Any
 from somo_cli.scene.compound import Compound
 
 
-def load(bullet: Any, client: int, compound: Compound, stem: str, is_fixed: bool) -> int:
+def create_body(bullet: Any, client: int, compound: Compound, stem: str, is_fixed: bool) -> int:
     """Make the body, in the frame of its principal axes, and return its index.
 
     Meshes are written to files that start with `stem`. Raises the engine's error.
@@ -32,7 +32,7 @@ def load(bullet: Any, client: int, compound: Compound, stem: str, is_fixed: bool
         shapeTypes=[kinds[shape.kind] for shape in compound.shapes],
         radii=[shape.radius for shape in compound.shapes],
         lengths=[shape.length for shape in compound.shapes],
-        halfExtents=[shape.half_edges for shape in compound.shapes],
+        halfExtents=[shape.half_extents for shape in compound.shapes],
         fileNames=names,
         meshScales=[[1, 1, 1]] * len(names),
         collisionFramePositions=[shape.position for shape in compound.shapes],

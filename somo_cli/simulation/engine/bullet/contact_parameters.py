@@ -1,4 +1,4 @@
-"""Surfaces as the engine takes them, and what it must be told for bodies to rebound."""
+"""Surfaces as the engine takes them, and what it must be options for bodies to rebound."""
 
 from __future__ import annotations
 
@@ -14,27 +14,27 @@ REBOUND_ERP = 0.02  # share of a depth that is undone in a step
 REBOUND_STEPS = 2.0  # a slower approach than gravity's in so many steps is no impact
 
 
-def settings(surface: ContactSurface) -> Mapping[str, float]:
-    """Return what `changeDynamics` is to be told of a surface; engine units.
+def surface_settings(surface: ContactSurface) -> Mapping[str, float]:
+    """Return what `changeDynamics` is to be options of a surface; engine units.
 
-    What the surface leaves at zero is not told, so that the engine has no rows for it.
+    What the surface leaves at zero is not options, so that the engine has no rows for it.
     """
     friction = 0.0 if surface.friction_anisotropy else surface.friction  # ours, see `bullet_grip`
-    told = {
+    options = {
         "lateralFriction": friction,
         "spinningFriction": surface.spinning_friction,
         "rollingFriction": surface.rolling_friction,
         "restitution": surface.restitution,
     }
-    told = {key: value for key, value in told.items() if value or key == "lateralFriction"}
+    options = {key: value for key, value in options.items() if value or key == "lateralFriction"}
     if surface.compliance is not None:
-        told["contactStiffness"] = surface.compliance.stiffness
-        told["contactDamping"] = surface.compliance.damping
-    return told
+        options["contactStiffness"] = surface.compliance.stiffness
+        options["contactDamping"] = surface.compliance.damping
+    return options
 
 
 def contact_parameters(plan: Plan) -> Mapping[str, float]:
-    """Return what the engine is to be told of contact; more where something rebounds.
+    """Return what the engine is to be options of contact; more where something rebounds.
 
     Seen in 3.2.7: the engine adds to the speed after an impact what is left of the gap in front of
     a body, or what it has to push out, so that a ball of restitution 0.5 came back with 0 to 0.6

@@ -30,21 +30,23 @@ class BulletDynamics:
         self._gravity = self._gravity_in_base = gravity
         self._is_tilted = False
         self._count = len(body.chain.joints)
-        self._freedoms = self._count + (0 if body.base == "static" else 6)
-        self._pack = struct.Struct(f"{self._freedoms}d").pack  # numpy takes longer to read tuples
+        self._coordinate_count = self._count + (0 if body.base == "static" else 6)
+        self._pack = struct.Struct(
+            f"{self._coordinate_count}d"
+        ).pack  # numpy takes longer to read tuples
         self._is_free = body.base == "free"
-        self._is_plain = False
+        self._is_static_upright = False
         self._base_to_joints: Array = np.zeros((self._count, 6))
-        self._across: Array = self._base_to_joints.T
+        self._base_coupling: Array = self._base_to_joints.T
         self._inverse_dynamics = self._make_inverse_dynamics()
 
-    def _feel_gravity(self) -> None:
+    def _update_gravity_in_base(self) -> None:
         """Take how the base stands to gravity; its start pose is set."""
-        axes = geometry.transposed(self.centre_pose().rotation)
+        axes = geometry.transposed(self.base_inertial_pose().rotation)
         self._gravity_in_base = geometry.rotate(axes, self._gravity)
         difference = geometry.subtract(self._gravity, self._gravity_in_base)
         self._is_tilted = max(map(abs, difference)) > 0
-        self._is_plain = self._body.base == "static" and not self._is_tilted
+        self._is_static_upright = self._body.base == "static" and not self._is_tilted
 
     def _make_inverse_dynamics(self) -> Callable[[Sequence[float], Sequence[float]], Array]:
         """Return the engine's function of positions and rates, those of a base that moves first.
@@ -53,7 +55,7 @@ class BulletDynamics:
         """
         index, client = self.index, self._client
         inverse, read, pack = self._bullet.calculateInverseDynamics, np.frombuffer, self._pack
-        rest = [0.0] * self._freedoms
+        rest = [0.0] * self._coordinate_count
 
         def inverse_dynamics(positions: Sequence[float], rates: Sequence[float]) -> Array:
             # seen in 3.2.7: names cost a fifth of a call that short; the zero is for its flags
@@ -61,8 +63,8 @@ class BulletDynamics:
 
         # seen in 3.2.7: forces on the base come out as (linear, angular)
         def with_base(positions: Sequence[float], rates: Sequence[float]) -> Array:
-            told = inverse(index, positions, rates, rest, 0, client)
-            return read(pack(*told[3:6], *told[:3], *told[6:]))
+            forces = inverse(index, positions, rates, rest, 0, client)
+            return read(pack(*forces[3:6], *forces[:3], *forces[6:]))
 
         return inverse_dynamics if self._body.base == "static" else with_base
 
@@ -92,7 +94,7 @@ class BulletDynamics:
             return matrix
         # products with an array of its own take a third of those with a part of another
         base, across, joints = matrix[:6, :6], matrix[:6, 6:], matrix[6:, 6:].copy()
-        self._across = across
+        self._base_coupling = across
         if not self._is_free:
             return joints
         self._base_to_joints = across.T.dot(invert(base))
@@ -110,11 +112,11 @@ class BulletDynamics:
 
         Shape (n,), the joint torques, with the base at rest; for a free base (6 + n,), with the
         torque and the force on its centre of mass first, in its own axes. `spin` [rad/s] is the
-        angular velocity in the world of a base that can move, `centre` its `centre_pose`, for who
+        angular velocity in the world of a base that can move, `centre` its `base_inertial_pose`, for who
         has asked already. The gravity is that of the start pose of the base, which makes no
         difference to what the joints of a free body feel.
         """
-        if self._is_plain:
+        if self._is_static_upright:
             return self._inverse_dynamics(angles, rates)
         if not self._is_tilted:
             return self._bias(angles, rates, spin, centre)
@@ -138,14 +140,14 @@ class BulletDynamics:
         # change nothing here
         x, y, z = geometry.ZERO
         if spin:
-            axes = geometry.transposed((centre or self.centre_pose()).rotation)
+            axes = geometry.transposed((centre or self.base_inertial_pose()).rotation)
             x, y, z = geometry.rotate(axes, (spin[0], spin[1], spin[2]))
         forces = self._inverse_dynamics(
             [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, *angles], [x, y, z, 0.0, 0.0, 0.0, *rates]
         )
         return forces if self._is_free else forces[6:]
 
-    def felt_by_joints(self, forces: Array) -> Array:
+    def equivalent_joint_torques(self, forces: Array) -> Array:
         """Return the joint torques, shape (n,), that accelerate the joints as these forces do.
 
         For a free base the forces, as `bias` gives them, include some on the base.
@@ -155,17 +157,17 @@ class BulletDynamics:
         felt: Array = forces[6:] - self._base_to_joints.dot(forces[:6])
         return felt
 
-    def in_base_axes(self, forces: Array) -> Array:
+    def to_base_axes(self, forces: Array) -> Array:
         """Return forces as `bias` gives them; those on the base come in the world's axes.
 
         Shape (6 + n,), of a base that can move.
         """
-        axes = np.array(self.centre_pose().rotation)
+        axes = np.array(self.base_inertial_pose().rotation)
         own = forces.copy()
         own[:3], own[3:6] = forces[:3] @ axes, forces[3:6] @ axes
         return own
 
-    def centre_pose(self) -> Pose:
+    def base_inertial_pose(self) -> Pose:
         """Return the pose in the world of the base's centre of mass, along its principal axes."""
         centre, orientation = self._bullet.getBasePositionAndOrientation(self.index, self._client)
         return Pose(centre, geometry.rotation_from_quaternion(orientation))

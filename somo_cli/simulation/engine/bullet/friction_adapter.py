@@ -12,17 +12,17 @@ import numpy as np
 from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.scene.contact_surface import ContactSurface
-from somo_cli.simulation.engine.bullet.anisotropic_friction import Grip, Key
+from somo_cli.simulation.engine.bullet.anisotropic_friction import AnisotropicFriction, ContactKey
 
-Place = tuple[int, int]
+EngineLinkId = tuple[int, int]
 """A link of the engine: body and link."""
 
-OnePose = tuple[Array, Array]
+InertialPose = tuple[Array, Array]
 """Centre and axes of the inertial frame of a link, in the world."""
 
 
 @dataclass(frozen=True, slots=True)
-class Skin:
+class FrictionLink:
     """A link in the engine and its surface; `axes` are the link's in its inertial frame."""
 
     body: int
@@ -39,185 +39,192 @@ class Skin:
         link: int,
         surface: ContactSurface,
         axes: geometry.Matrix | None = None,
-    ) -> Skin:
+    ) -> FrictionLink:
         """Return the skin of a loaded link; `axes` where the engine does not know the link's."""
-        told = bullet.getDynamicsInfo(body, link, client)
-        axes = axes or geometry.transposed(geometry.rotation_from_quaternion(told[4]))
-        return Skin(body, link, surface, told[0], np.array(axes))
+        reported = bullet.getDynamicsInfo(body, link, client)
+        axes = axes or geometry.transposed(geometry.rotation_from_quaternion(reported[4]))
+        return FrictionLink(body, link, surface, reported[0], np.array(axes))
 
 
 @dataclass(frozen=True, slots=True)
-class Poses:
+class InertialPoses:
     """Of links in the world: their centres (n, 3), and the axes of the inertial frames."""
 
     centres: Array
     axes: Array
 
-    def of(self, numbers: Sequence[int]) -> Poses:
+    def of(self, numbers: Sequence[int]) -> InertialPoses:
         """Return the poses of these links, in this order."""
-        return Poses(self.centres[numbers], self.axes[numbers])
+        return InertialPoses(self.centres[numbers], self.axes[numbers])
 
-    def seen(self, points: Array) -> Array:
+    def to_link_frames(self, points: Array) -> Array:
         """Return a point of the world for each link, in the link's axes."""
         seen: Array = np.einsum("pji,pj->pi", self.axes, points - self.centres)
         return seen
 
-    def placed(self, seen: Array) -> Array:
+    def to_world(self, seen: Array) -> Array:
         """Return where in the world points of the links are."""
         placed: Array = self.centres + np.einsum("pij,pj->pi", self.axes, seen)
         return placed
 
-    def back(self, time: float, velocities: Array, spins: Array) -> Poses:
+    def moved_back(self, time: float, velocities: Array, spins: Array) -> InertialPoses:
         """Return where links come from that have moved so for a short time."""
         turned = np.cross(spins[:, None, :], self.axes.transpose(0, 2, 1)).transpose(0, 2, 1)
-        return Poses(self.centres - time * velocities, self.axes - time * turned)
+        return InertialPoses(self.centres - time * velocities, self.axes - time * turned)
 
 
 @dataclass(frozen=True, slots=True)
-class Trail:
+class PoseHistory:
     """The poses of links now, a step ago and two steps ago.
 
-    How fast points move is told from these, not from the velocities that the engine gives of links.
+    How fast points move is reported from these, not from the velocities that the engine gives of links.
     Seen in 3.2.7: it steps velocities first, so these are those of half a step ago, but at the
     angles of now. What a link on a chain does is then off by h / 2 times its centripetal
     acceleration, more the farther it is from the base: the crawling snake was 3.8 % faster, at
     2 ms, with its base behind than with its base ahead.
     """
 
-    now: Poses
-    before: Poses
-    earlier: Poses
+    now: InertialPoses
+    before: InertialPoses
+    earlier: InertialPoses
 
-    def of(self, numbers: Sequence[int]) -> Trail:
+    def of(self, numbers: Sequence[int]) -> PoseHistory:
         """Return the trails of these links, in this order."""
-        return Trail(self.now.of(numbers), self.before.of(numbers), self.earlier.of(numbers))
+        return PoseHistory(self.now.of(numbers), self.before.of(numbers), self.earlier.of(numbers))
 
-    def at(self, points: Array, time_step: float) -> Array:
+    def point_velocities(self, points: Array, time_step: float) -> Array:
         """Return the velocity of a point of each link now, to second order."""
-        seen = self.now.seen(points)
-        before = self.before.placed(seen)
-        change: Array = 1.5 * (points - before) - 0.5 * (before - self.earlier.placed(seen))
+        seen = self.now.to_link_frames(points)
+        before = self.before.to_world(seen)
+        change: Array = 1.5 * (points - before) - 0.5 * (before - self.earlier.to_world(seen))
         return change / time_step
 
 
 @dataclass(frozen=True, slots=True)
-class Touching:
+class ContactData:
     """What is known of the two links of each contact; `factors` in the inertial frame."""
 
-    own: Trail
-    other: Trail
+    own: PoseHistory
+    other: PoseHistory
     frictions: Array
     masses: Array
     factors: Array
 
 
-class BulletGrip:
+class FrictionAdapter:
     """Applies, before a step, the friction at the contacts that the last step has found."""
 
-    def __init__(self, bullet: Any, client: int, time_step: float, skins: Sequence[Skin]) -> None:
+    def __init__(
+        self, bullet: Any, client: int, time_step: float, links: Sequence[FrictionLink]
+    ) -> None:
         self._bullet = bullet
         self._client = client
         self._time_step = time_step
-        self._grip = Grip(time_step)
-        self._trails: Mapping[Place, tuple[OnePose, OnePose]] = {}
-        self._skins: Mapping[tuple[int, int], Skin] = {(one.body, one.link): one for one in skins}
-        self.rubs: list[tuple[Key, Sequence[float], list[float]]] = []
+        self._friction = AnisotropicFriction(time_step)
+        self._histories: Mapping[EngineLinkId, tuple[InertialPose, InertialPose]] = {}
+        self._links: Mapping[tuple[int, int], FrictionLink] = {
+            (one.body, one.link): one for one in links
+        }
+        self.applied: list[tuple[ContactKey, Sequence[float], list[float]]] = []
         """What was applied for the last step: to which links, where, the force on the first."""
         self._bodies = sorted(
-            {one.body for one in skins if one.surface.friction_anisotropy is not None}
+            {one.body for one in links if one.surface.friction_anisotropy is not None}
         )
         self._factors: Mapping[tuple[int, int], Array] = {
             place: one.axes @ np.diag(one.surface.friction_anisotropy) @ one.axes.T
-            for place, one in self._skins.items()
+            for place, one in self._links.items()
             if one.surface.friction_anisotropy is not None
         }
 
-    def act(self) -> None:
+    def apply_friction(self) -> None:
         """Apply the friction for the coming step to all that touch."""
         contacts = list(self._contacts())
-        self.rubs = []
+        self.applied = []
         if not contacts:
-            self._grip.let_go()
-            self._trails = {}
+            self._friction.clear()
+            self._histories = {}
             return
-        told = [one for _, one in contacts]
+        reported = [one for _, one in contacts]
         keys = tuple(key for key, _ in contacts)
-        touching = self._touching(keys)
-        points, others = (np.array([one[place] for one in told]) for place in (5, 6))
-        step, axes = self._time_step, touching.own.now.axes
-        slips = touching.own.at(points, step) - touching.other.at(others, step)
-        forces = self._grip.forces(
+        data = self._contact_data(keys)
+        points, others = (np.array([one[place] for one in reported]) for place in (5, 6))
+        step, axes = self._time_step, data.own.now.axes
+        slip_velocities = data.own.point_velocities(points, step) - data.other.point_velocities(
+            others, step
+        )
+        forces = self._friction.forces(
             keys,
-            places=touching.own.now.seen(points),
-            normals=np.array([one[7] for one in told]),
-            slips=slips,
-            limits=touching.frictions * [one[9] for one in told],
-            masses=touching.masses,
-            factors=axes @ touching.factors @ axes.transpose(0, 2, 1),
+            local_points=data.own.now.to_link_frames(points),
+            normals=np.array([one[7] for one in reported]),
+            slip_velocities=slip_velocities,
+            limits=data.frictions * [one[9] for one in reported],
+            masses=data.masses,
+            factors=axes @ data.factors @ axes.transpose(0, 2, 1),
         )
         for key, point, other, force, opposite in zip(
             keys, points.tolist(), others.tolist(), forces.tolist(), (-forces).tolist(), strict=True
         ):
-            self.rubs.append((key, point, force))
-            self._push(key[:2], force, point)
-            self._push(key[2:], opposite, other)
+            self.applied.append((key, point, force))
+            self._apply_force(key[:2], force, point)
+            self._apply_force(key[2:], opposite, other)
 
-    def _touching(self, keys: Sequence[Key]) -> Touching:
+    def _contact_data(self, keys: Sequence[ContactKey]) -> ContactData:
         """Return what is known of the two links of each contact."""
         places = list(dict.fromkeys(place for key in keys for place in (key[:2], key[2:])))
         numbers = {place: number for number, place in enumerate(places)}
-        trail = self._follow(places)
+        history = self._pose_history(places)
         counts = Counter(key[:2] for key in keys)
-        pairs = [(self._skins[key[:2]], self._skins[key[2:]]) for key in keys]
+        pairs = [(self._links[key[:2]], self._links[key[2:]]) for key in keys]
         masses = [
-            _lighter(own.mass, other.mass) / counts[key[:2]]
+            _reduced_mass(own.mass, other.mass) / counts[key[:2]]
             for key, (own, other) in zip(keys, pairs, strict=True)
         ]
-        return Touching(
-            trail.of([numbers[key[:2]] for key in keys]),
-            trail.of([numbers[key[2:]] for key in keys]),
+        return ContactData(
+            history.of([numbers[key[:2]] for key in keys]),
+            history.of([numbers[key[2:]] for key in keys]),
             np.array([own.surface.friction * other.surface.friction for own, other in pairs]),
             np.array(masses),
             np.array([self._factors[key[:2]] for key in keys]),
         )
 
-    def _follow(self, places: Sequence[Place]) -> Trail:
+    def _pose_history(self, places: Sequence[EngineLinkId]) -> PoseHistory:
         """Return the trails of links.
 
         One that touches only now came by its present velocity, and so did one that is where it was:
         it rests, or a trial step at the start of the run was undone.
         """
-        told = zip(*map(self._ask, places), strict=True)
-        centres, axes, velocities, spins = map(np.array, told)
-        now = Poses(centres, axes)
+        reported = zip(*map(self._inertial_state, places), strict=True)
+        centres, axes, velocities, spins = map(np.array, reported)
+        now = InertialPoses(centres, axes)
         before, earlier = (
-            now.back(time, velocities, spins) for time in (self._time_step, 2 * self._time_step)
+            now.moved_back(time, velocities, spins)
+            for time in (self._time_step, 2 * self._time_step)
         )
         for number, place in enumerate(places):
-            known = self._trails.get(place)
+            known = self._histories.get(place)
             if known is None or np.array_equal(known[0][0], centres[number]):
                 continue
             (before.centres[number], before.axes[number]), older = known
             earlier.centres[number], earlier.axes[number] = older
-        self._trails = {
+        self._histories = {
             place: ((centres[number], axes[number]), (before.centres[number], before.axes[number]))
             for number, place in enumerate(places)
         }
-        return Trail(now, before, earlier)
+        return PoseHistory(now, before, earlier)
 
-    def _contacts(self) -> Iterator[tuple[Key, Any]]:
+    def _contacts(self) -> Iterator[tuple[ContactKey, Any]]:
         """Yield each contact of a link whose friction is ours, once, and what the engine tells."""
         for body in self._bodies:
-            for told in self._bullet.getContactPoints(body, physicsClientId=self._client):
-                key = (told[1], told[3], told[2], told[4])
+            for reported in self._bullet.getContactPoints(body, physicsClientId=self._client):
+                key = (reported[1], reported[3], reported[2], reported[4])
                 if key[0] == key[2] or key[:2] not in self._factors:
                     continue
                 # two such links: the first body's factors count
                 if key[2:] in self._factors and key[2] < key[0]:
                     continue
-                yield key, told
+                yield key, reported
 
-    def _ask(self, place: tuple[int, int]) -> tuple[Any, Any, Any, Any]:
+    def _inertial_state(self, place: tuple[int, int]) -> tuple[Any, Any, Any, Any]:
         """Return centre, axes of the inertial frame, velocity and spin of a link in the world."""
         bullet, client = self._bullet, self._client
         body, link = place
@@ -229,16 +236,18 @@ class BulletGrip:
             centre, turn, velocity, spin = state[0], state[1], state[6], state[7]
         return centre, geometry.rotation_from_quaternion(turn), velocity, spin
 
-    def _push(self, place: Place, force: Sequence[float], point: Sequence[float]) -> None:
+    def _apply_force(
+        self, place: EngineLinkId, force: Sequence[float], point: Sequence[float]
+    ) -> None:
         """Apply a force to a link at a point of the world."""
-        if self._skins[place].mass > 0:
+        if self._links[place].mass > 0:
             bullet = self._bullet
             bullet.applyExternalForce(
                 *place, force, point, bullet.WORLD_FRAME, physicsClientId=self._client
             )
 
 
-def _lighter(mass: float, other: float) -> float:
+def _reduced_mass(mass: float, other: float) -> float:
     """Return what two bodies weigh against each other; 0 stands for one that cannot move."""
     if mass == 0 or other == 0:
         return mass or other

@@ -13,14 +13,14 @@ from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.engine.bullet.body import BulletBody
-from somo_cli.simulation.engine.bullet.rigid_object import BulletThing
-from somo_cli.simulation.plan.model import Body, PlannedThing
+from somo_cli.simulation.engine.bullet.rigid_object import BulletObject
+from somo_cli.simulation.plan.model import Body, PlannedObject
 
-REDUCTION = 0.2  # seen in 3.2.7: in one step a constraint takes away this much of its error
-STRONGEST = 1e12  # engine units of impulse; a constraint gives way beyond 500 of them
+CONSTRAINT_ERP = 0.2  # seen in 3.2.7: in one step a constraint takes away this much of its error
+MAX_IMPULSE = 1e12  # engine units of impulse; a constraint gives way beyond 500 of them
 
 
-class MovedBody(BulletBody):
+class PrescribedBody(BulletBody):
     """One manipulator whose base goes where it is told, to rounding, whatever pulls at it."""
 
     def __init__(self, bullet: Any, client: int, body: Body, gravity: Vector, path: str) -> None:
@@ -29,13 +29,13 @@ class MovedBody(BulletBody):
 
     def move_base(self, goal: Pose, is_at_rest: bool) -> None:
         """Have the base frame at this pose after the next step, and after more if at rest."""
-        present = self.centre_pose()
+        present = self.base_inertial_pose()
         centre, axes = present.position, present.rotation
         way = geometry.subtract(goal.point(self._com_in_base), centre)
         turned = geometry.multiply(goal.rotation, self._inertial_in_base)
         turn = geometry.rotation_vector(geometry.multiply(geometry.transposed(axes), turned))
         # a target beyond the goal is good for one step, the goal itself for many
-        share = 1.0 if is_at_rest else REDUCTION
+        share = 1.0 if is_at_rest else CONSTRAINT_ERP
         x, y, z = (value / share for value in way)
         # the error is measured as the angles of Rz Ry Rx about the body's own axes
         beyond = geometry.rotation_from_rpy(geometry.vector(value / share for value in turn))
@@ -48,16 +48,16 @@ class MovedBody(BulletBody):
         self._gravity_in_base = geometry.rotate(geometry.transposed(axes), self._gravity)
         self._is_tilted = True
 
-    def pull_of_base(self, acceleration: Array) -> Array:
+    def base_acceleration_torques(self, acceleration: Array) -> Array:
         """Return the joint torques, shape (n,), that an acceleration of the base asks for.
 
         `acceleration`, shape (6,), is the angular one, then that of the centre of mass, in the
         world; the inertia is that of the last `mass_matrix`.
         """
-        pull: Array = self.in_base_axes(acceleration) @ self._across
+        pull: Array = self.to_base_axes(acceleration) @ self._base_coupling
         return pull
 
-    def _hold_base(self) -> None:
+    def _constrain_base(self) -> None:
         # at the centre of mass, of which the engine knows the place to rounding
         centre, orientation = self._bullet.getBasePositionAndOrientation(self.index, self._client)
         self._constraint = self._bullet.createConstraint(
@@ -74,14 +74,14 @@ class MovedBody(BulletBody):
             physicsClientId=self._client,
         )
         self._bullet.changeConstraint(
-            self._constraint, maxForce=STRONGEST, physicsClientId=self._client
+            self._constraint, maxForce=MAX_IMPULSE, physicsClientId=self._client
         )
 
 
-class MovedThing(BulletThing):
+class KinematicObject(BulletObject):
     """One object that goes where it is told and yields to nothing; contact feels its velocity."""
 
-    def __init__(self, bullet: Any, client: int, planned: PlannedThing, path: str) -> None:
+    def __init__(self, bullet: Any, client: int, planned: PlannedObject, path: str) -> None:
         self._velocity = (geometry.ZERO, geometry.ZERO)
         super().__init__(bullet, client, planned, path)
 
@@ -94,10 +94,10 @@ class MovedThing(BulletThing):
         # seen in 3.2.7: the pose of a fixed base is advanced by its velocity all the same, which
         # is that of the centre of mass
         turn = geometry.rotation_vector(geometry.multiply(goal.rotation, geometry.transposed(axes)))
-        self._velocity = (_over(way, time_step), _over(turn, time_step))
+        self._velocity = (_divided(way, time_step), _divided(turn, time_step))
         self._bullet.resetBaseVelocity(self.index, *self._velocity, physicsClientId=self._client)
 
-    def rest(self) -> None:
+    def hold_pose(self) -> None:
         """Have the frame stay where it is until it is moved."""
         self._velocity = (geometry.ZERO, geometry.ZERO)
         self._bullet.resetBaseVelocity(self.index, *self._velocity, physicsClientId=self._client)
@@ -108,6 +108,6 @@ class MovedThing(BulletThing):
         self._bullet.resetBaseVelocity(self.index, *self._velocity, physicsClientId=self._client)
 
 
-def _over(vector: Vector, time: float) -> Vector:
+def _divided(vector: Vector, time: float) -> Vector:
     x, y, z = vector
     return (x / time, y / time, z / time)

@@ -10,28 +10,28 @@ from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import EngineRefused
 from somo_cli.simulation.engine.bullet import compound as bullet_compound
 from somo_cli.simulation.engine.bullet.body import UNLIMITED_RATE
-from somo_cli.simulation.engine.bullet.contact_parameters import settings
-from somo_cli.simulation.plan.model import PlannedThing
+from somo_cli.simulation.engine.bullet.contact_parameters import surface_settings
+from somo_cli.simulation.plan.model import PlannedObject
 
 
-class BulletThing:
+class BulletObject:
     """One object in the engine, engine units. `path` is that of a URDF file, if it has one."""
 
-    def __init__(self, bullet: Any, client: int, planned: PlannedThing, path: str) -> None:
+    def __init__(self, bullet: Any, client: int, planned: PlannedObject, path: str) -> None:
         self._bullet = bullet
         self._client = client
-        self._thing = planned.thing
-        self._principal = planned.compound.frame if planned.compound else None
+        self._object = planned.rigid_object
+        self._principal_frame = planned.compound.frame if planned.compound else None
         if planned.compound:
-            stem, has_prescribed_pose = path.removesuffix(".urdf"), self._thing.has_prescribed_pose
-            self.index = bullet_compound.load(
+            stem, has_prescribed_pose = path.removesuffix(".urdf"), self._object.has_prescribed_pose
+            self.index = bullet_compound.create_body(
                 bullet, client, planned.compound, stem, has_prescribed_pose
             )
         else:
             flags = bullet.URDF_USE_INERTIA_FROM_FILE | bullet.URDF_USE_IMPLICIT_CYLINDER
             self.index = bullet.loadURDF(
                 path,
-                useFixedBase=self._thing.has_prescribed_pose,
+                useFixedBase=self._object.has_prescribed_pose,
                 flags=flags,
                 physicsClientId=client,
             )
@@ -42,19 +42,21 @@ class BulletThing:
             angularDamping=0,
             # seen in 3.2.7: no coordinate's rate may be above 100, a base's included
             maxJointVelocity=UNLIMITED_RATE,
-            **settings(self._thing.surface),
+            **surface_settings(self._object.surface),
             physicsClientId=client,
         )
         mass = bullet.getDynamicsInfo(self.index, -1, client)[0]
-        wanted = self._thing.chain.links[0].inertial.mass
-        if not self._thing.has_prescribed_pose and abs(mass - wanted) > 1e-9 * wanted:
-            raise EngineRefused(self._thing.name, f"its mass is {mass:g} in the engine")
+        wanted = self._object.chain.links[0].inertial.mass
+        if not self._object.has_prescribed_pose and abs(mass - wanted) > 1e-9 * wanted:
+            raise EngineRefused(self._object.name, f"its mass is {mass:g} in the engine")
         self.reset()
 
     def reset(self, linear_velocity: Vector | None = None) -> None:
         """Put the object at its start, with another velocity if given."""
-        thing = self._thing
-        start = self.to_engine(Pose(thing.position, geometry.rotation_from_rpy(thing.rpy)))
+        planned_object = self._object
+        start = self.to_engine(
+            Pose(planned_object.position, geometry.rotation_from_rpy(planned_object.rpy))
+        )
         self._bullet.resetBasePositionAndOrientation(
             self.index,
             start.position,
@@ -63,31 +65,35 @@ class BulletThing:
         )
         self._bullet.resetBaseVelocity(
             self.index,
-            linear_velocity or thing.linear_velocity,
-            thing.angular_velocity,
+            linear_velocity or planned_object.linear_velocity,
+            planned_object.angular_velocity,
             physicsClientId=self._client,
         )
 
     def to_engine(self, frame: Pose) -> Pose:
         """Return what the engine takes for a pose of the object's frame: that of its axes."""
-        if not self._principal:
+        if not self._principal_frame:
             return frame
-        rotation = geometry.multiply(frame.rotation, self._principal.rotation)
-        return Pose(frame.point(self._principal.position), rotation)
+        rotation = geometry.multiply(frame.rotation, self._principal_frame.rotation)
+        return Pose(frame.point(self._principal_frame.position), rotation)
 
     @property
     def axes(self) -> Matrix | None:
         """The axes of the object's frame in the engine's, None if they are the same."""
-        return geometry.transposed(self._principal.rotation) if self._principal else None
+        return (
+            geometry.transposed(self._principal_frame.rotation) if self._principal_frame else None
+        )
 
     def pose(self) -> Pose:
         """Return the pose of the object's frame in the world."""
         position, turn = self._bullet.getBasePositionAndOrientation(self.index, self._client)
         rotation = geometry.rotation_from_quaternion(turn)
-        if self._principal:
+        if self._principal_frame:
             # the engine tells the pose of the principal axes
-            rotation = geometry.multiply(rotation, geometry.transposed(self._principal.rotation))
-            offset = geometry.rotate(rotation, self._principal.position)
+            rotation = geometry.multiply(
+                rotation, geometry.transposed(self._principal_frame.rotation)
+            )
+            offset = geometry.rotate(rotation, self._principal_frame.position)
             position = geometry.subtract(position, offset)
         return Pose(position, rotation)
 

@@ -10,7 +10,7 @@ from somo_cli.manipulator.chain import Chain, Shape
 from somo_cli.manipulator.solids import Box, Cylinder, Sphere
 
 
-def spare_near_links(
+def disable_near_collisions(
     bullet: Any, client: int, body: int, links: Sequence[int], chain: Chain
 ) -> None:
     """Let only links collide that are farther apart than the body is wide, all joints at zero.
@@ -19,7 +19,7 @@ def spare_near_links(
     a bend tighter than half the width, where a soft body would be squeezed to nothing, and the
     springs stand for that. The joints of the body are at zero.
     """
-    width = _width(chain)
+    width = _body_width(chain)
     parents = {(joint.parent, child) for child, joint in enumerate(chain.joints, start=1)}
     for (a, link), (b, other) in itertools.combinations(enumerate(links), 2):
         near = (a, b) in parents or bullet.getClosestPoints(
@@ -29,13 +29,13 @@ def spare_near_links(
             bullet.setCollisionFilterPair(body, body, link, other, 0, physicsClientId=client)
 
 
-def _width(chain: Chain) -> float:
+def _body_width(chain: Chain) -> float:
     """Return the larger edge of the widest cross-section of what moves; engine units."""
     moving = chain.links[1:]
-    return max((_across(shape) for link in moving for shape in link.shapes), default=0.0)
+    return max((_cross_width(shape) for link in moving for shape in link.shapes), default=0.0)
 
 
-def _across(shape: Shape) -> float:
+def _cross_width(shape: Shape) -> float:
     solid = shape.solid
     if isinstance(solid, Box):
         return max(solid.size[0], solid.size[1])

@@ -25,15 +25,15 @@ from somo_cli.simulation.engine.bullet.c_stdio import (
     duplicate,
     flush_c,
 )
-from somo_cli.simulation.engine.bullet.client import engine
-from somo_cli.simulation.engine.bullet.friction_adapter import BulletGrip, Skin
-from somo_cli.simulation.engine.bullet.kinematic import MovedBody, MovedThing
-from somo_cli.simulation.engine.bullet.rigid_object import BulletThing
-from somo_cli.simulation.engine.contacts import Place, Touch, rub
+from somo_cli.simulation.engine.bullet.client import import_pybullet
+from somo_cli.simulation.engine.bullet.friction_adapter import FrictionAdapter, FrictionLink
+from somo_cli.simulation.engine.bullet.kinematic import KinematicObject, PrescribedBody
+from somo_cli.simulation.engine.bullet.rigid_object import BulletObject
+from somo_cli.simulation.engine.contacts import ContactPoint, LinkIndex, friction_contact
 from somo_cli.simulation.plan.model import Plan
 
-GROUND_REACH = 1000.0  # engine units, from the origin
-GROUND_DEPTH = 20.0  # engine units: what falls faster than this in a step passes through
+GROUND_HALF_WIDTH = 1000.0  # engine units, from the origin
+GROUND_THICKNESS = 20.0  # engine units: what falls faster than this in a step passes through
 
 
 class BulletWorld:
@@ -46,25 +46,29 @@ class BulletWorld:
         self._start = -1  # the engine's number of the state after loading
         self._stdout: int | None = None
         self.bodies: list[BulletBody] = []
-        self.objects: list[BulletThing] = []
+        self.objects: list[BulletObject] = []
         self._numbers: dict[int, int] = {}
-        self.step: Callable[[], object] = self._refuse
-        self._places: dict[tuple[int, int], Place] = {}  # of the engine's bodies and links
-        self._grounds: list[int] = []
-        self._points = 0  # of contact, when last looked at
-        self._iterations = collision_filter.ITERATIONS
-        self._grip: BulletGrip | None = None  # where friction depends on the direction
+        self.step: Callable[[], object] = self._raise_not_entered
+        self._link_indices: dict[
+            tuple[int, int], LinkIndex
+        ] = {}  # of the engine's bodies and links
+        self._ground_indices: list[int] = []
+        self._contact_count = 0  # of contact, when last looked at
+        self._iterations = collision_filter.MAX_ITERATIONS
+        self._friction: FrictionAdapter | None = None  # where friction depends on the direction
 
     def __enter__(self) -> BulletWorld:
         """Load every body; until `close`, what the engine prints goes to standard error."""
-        with captured_output() as said, decimal_points():
-            self._bullet = engine()
+        with captured_output() as printed, decimal_points():
+            self._bullet = import_pybullet()
             self._client = self._bullet.connect(self._bullet.DIRECT)
             try:
-                self._set_up()
+                self._load_plan()
             except self._bullet.error as error:
                 self.close()
-                raise EngineRefused(self._loading(), f"{error} {said()}".strip()) from error
+                raise EngineRefused(
+                    self._body_being_loaded(), f"{error} {printed()}".strip()
+                ) from error
             except BaseException:
                 self.close()
                 raise
@@ -93,14 +97,14 @@ class BulletWorld:
             os.close(self._stdout)
             self._stdout = None
 
-    def touches(self) -> list[Touch]:
+    def contact_points(self) -> list[ContactPoint]:
         """Return every contact point of the last step, in the engine's order, then what is ours."""
         # seen in 3.2.7: asked for one body, the engine turns the normals of those contacts in which
         # that body is the second one, and not the forces of friction; asked for all it turns none
-        told = self._bullet.getContactPoints(physicsClientId=self._client)
-        places = self._places
+        reported = self._bullet.getContactPoints(physicsClientId=self._client)
+        places = self._link_indices
         found = [
-            Touch(
+            ContactPoint(
                 places[one[1], one[3]],
                 places[one[2], one[4]],
                 one[5],
@@ -108,27 +112,27 @@ class BulletWorld:
                 one[9],
                 ((one[11], one[10]), (one[13], one[12])),
             )
-            for one in told
+            for one in reported
         ]
-        if self._grip is not None:
-            for key, point, force in self._grip.rubs:
-                found.append(rub(places[key[:2]], places[key[2:]], point, force))
+        if self._friction is not None:
+            for key, point, force in self._friction.applied:
+                found.append(friction_contact(places[key[:2]], places[key[2:]], point, force))
         return found
 
-    def penetrations(self) -> list[tuple[Place, Place, float]]:
+    def penetrations(self) -> list[tuple[LinkIndex, LinkIndex, float]]:
         """Return which parts were how deep in each other in the last step; depths above 0 only."""
-        places = self._places
-        told = self._bullet.getContactPoints(physicsClientId=self._client)
-        self._points = len(told)
+        places = self._link_indices
+        reported = self._bullet.getContactPoints(physicsClientId=self._client)
+        self._contact_count = len(reported)
         return [
             (places[one[1], one[3]], places[one[2], one[4]], -gap)
-            for one in told
+            for one in reported
             if (gap := one[8]) < 0
         ]
 
-    def heed_contacts(self) -> None:
+    def adapt_solver_iterations(self) -> None:
         """Let the solver take as many iterations as pay with what `penetrations` saw last."""
-        iterations = collision_filter.iterations(self._points)
+        iterations = collision_filter.iteration_limit(self._contact_count)
         if iterations != self._iterations:
             self._iterations = iterations
             self._bullet.setPhysicsEngineParameter(
@@ -141,8 +145,8 @@ class BulletWorld:
         Parts are counted: bodies, objects, ground. A world that was asked is not to be run.
         """
         order = [body.index for body in self.bodies]
-        order += [thing.index for thing in self.objects]
-        return collision_filter.depths(self._bullet, self._client, order + self._grounds)
+        order += [rigid_object.index for rigid_object in self.objects]
+        return collision_filter.depths(self._bullet, self._client, order + self._ground_indices)
 
     def save_start(self) -> None:
         """Keep the present state, right after loading, for `restore_start`."""
@@ -157,10 +161,10 @@ class BulletWorld:
         self._bullet.restoreState(self._start, physicsClientId=self._client)
 
     @staticmethod
-    def _refuse() -> None:
+    def _raise_not_entered() -> None:
         raise RuntimeError("the world is entered before it is stepped")
 
-    def _set_up(self) -> None:
+    def _load_plan(self) -> None:
         # advances every body by one time step; torques last for one step
         self.step = partial(self._bullet.stepSimulation, self._client)
         # the cache would serve an old file under a known name, even after a reset; the solver would
@@ -171,7 +175,7 @@ class BulletWorld:
             enableFileCaching=0,
             fixedTimeStep=self._plan.time_step,
             numSolverIterations=self._iterations,
-            solverResidualThreshold=collision_filter.residual(self._plan),
+            solverResidualThreshold=collision_filter.squared_residual_speed(self._plan),
             physicsClientId=self._client,
         )
         self._bullet.setPhysicsEngineParameter(
@@ -182,47 +186,53 @@ class BulletWorld:
             for number, body in enumerate(self._plan.bodies):
                 path = Path(folder) / f"{number}.urdf"
                 path.write_text(body.urdf, encoding="utf-8")
-                kind = BulletBody if body.path is None else MovedBody
+                kind = BulletBody if body.path is None else PrescribedBody
                 self.bodies.append(
                     kind(self._bullet, self._client, body, self._plan.gravity, str(path))
                 )
 
-            for number, thing in enumerate(self._plan.objects):
+            for number, rigid_object in enumerate(self._plan.objects):
                 path = Path(folder) / f"object_{number}.urdf"
-                if thing.urdf:
-                    path.write_text(thing.urdf, encoding="utf-8")
-                of_thing = BulletThing if thing.path is None else MovedThing
-                self.objects.append(of_thing(self._bullet, self._client, thing, str(path)))
-        ground = None if self._plan.ground is None else self._lay_ground(self._plan.ground)
-        self._grounds = [] if ground is None else [ground]
-        self._spare_held()
-        self._number_places()
+                if rigid_object.urdf:
+                    path.write_text(rigid_object.urdf, encoding="utf-8")
+                of_object = BulletObject if rigid_object.path is None else KinematicObject
+                self.objects.append(of_object(self._bullet, self._client, rigid_object, str(path)))
+        ground = None if self._plan.ground is None else self._add_ground(self._plan.ground)
+        self._ground_indices = [] if ground is None else [ground]
+        self._disable_fixed_collisions()
+        self._index_links()
         if any(surface.friction_anisotropy is not None for surface in self._plan.surfaces):
-            self.step = self._gripping(self.step, ground)
+            self.step = self._with_anisotropic_friction(self.step, ground)
 
-    def _number_places(self) -> None:
+    def _index_links(self) -> None:
         for number, body in enumerate(self.bodies):
             for place, link in enumerate(body.links):
-                self._places[body.index, link] = (number, place)
-        others = [thing.index for thing in self.objects] + self._grounds
+                self._link_indices[body.index, link] = (number, place)
+        others = [rigid_object.index for rigid_object in self.objects] + self._ground_indices
         for number, index in enumerate(others, start=len(self.bodies)):
             for link in range(-1, self._bullet.getNumJoints(index, self._client)):
-                self._places[index, link] = (number, 0)
+                self._link_indices[index, link] = (number, 0)
 
-    def _spare_held(self) -> None:
+    def _disable_fixed_collisions(self) -> None:
         bases: dict[str, list[int]] = {"constrained": [], "static": [], "free": []}
         for body, planned in zip(self.bodies, self._plan.bodies, strict=True):
             bases[planned.base].append(body.index)
-        held = self._grounds + bases["constrained"] + bases["static"]
-        for thing, of_plan in zip(self.objects, self._plan.objects, strict=True):
-            if of_plan.thing.has_prescribed_pose:
-                held.append(thing.index)
-        collision_filter.spare_held(self._bullet, self._client, bases["constrained"], held)
-        if not (self._plan.can_touch or self._plan.keeps_everything):
+        held = self._ground_indices + bases["constrained"] + bases["static"]
+        for rigid_object, of_object in zip(self.objects, self._plan.objects, strict=True):
+            if of_object.rigid_object.has_prescribed_pose:
+                held.append(rigid_object.index)
+        collision_filter.disable_fixed_collisions(
+            self._bullet, self._client, bases["constrained"], held
+        )
+        if not (self._plan.can_touch or self._plan.keeps_unused):
             for body in self.bodies:
-                collision_filter.spare_all(self._bullet, self._client, body.index, body.links)
+                collision_filter.disable_collisions(
+                    self._bullet, self._client, body.index, body.links
+                )
 
-    def _gripping(self, step: Callable[[], object], ground: int | None) -> Callable[[], object]:
+    def _with_anisotropic_friction(
+        self, step: Callable[[], object], ground: int | None
+    ) -> Callable[[], object]:
         """Return a step before which friction that depends on the direction is applied."""
         found: list[tuple[int, int, ContactSurface, Matrix | None]] = []
         for body, planned in zip(self.bodies, self._plan.bodies, strict=True):
@@ -230,36 +240,38 @@ class BulletWorld:
                 (body.index, link, planned.surfaces.of_link(number, planned.chain), None)
                 for number, link in enumerate(body.links)
             ]
-        for thing, of_thing in zip(self.objects, self._plan.objects, strict=True):
-            found.append((thing.index, -1, of_thing.thing.surface, thing.axes))
+        for rigid_object, of_object in zip(self.objects, self._plan.objects, strict=True):
+            found.append(
+                (rigid_object.index, -1, of_object.rigid_object.surface, rigid_object.axes)
+            )
         if ground is not None and self._plan.ground is not None:
             found.append((ground, -1, self._plan.ground.surface, None))
-        skins = [Skin.of(self._bullet, self._client, *one) for one in found]
-        self._grip = BulletGrip(self._bullet, self._client, self._plan.time_step, skins)
-        act = self._grip.act
+        links = [FrictionLink.of(self._bullet, self._client, *one) for one in found]
+        self._friction = FrictionAdapter(self._bullet, self._client, self._plan.time_step, links)
+        apply_friction = self._friction.apply_friction
 
-        def step_with_grip() -> None:
-            act()
+        def step_with_friction() -> None:
+            apply_friction()
             step()
 
-        return step_with_grip
+        return step_with_friction
 
-    def _lay_ground(self, ground: Ground) -> int:
+    def _add_ground(self, ground: Ground) -> int:
         # seen in 3.2.7: on a plane (GEOM_PLANE) a sliding box stands on one or two points and
         # sinks in by millimetres, on a large box on four
         bullet, client = self._bullet, self._client
-        half = [GROUND_REACH, GROUND_REACH, GROUND_DEPTH / 2]
+        half = [GROUND_HALF_WIDTH, GROUND_HALF_WIDTH, GROUND_THICKNESS / 2]
         slab = bullet.createCollisionShape(
             bullet.GEOM_BOX, halfExtents=half, physicsClientId=client
         )
-        below = [0, 0, ground.height - GROUND_DEPTH / 2]
+        below = [0, 0, ground.height - GROUND_THICKNESS / 2]
         index: int = bullet.createMultiBody(0, slab, -1, below, physicsClientId=client)
         bullet.changeDynamics(
-            index, -1, **contact_parameters.settings(ground.surface), physicsClientId=client
+            index, -1, **contact_parameters.surface_settings(ground.surface), physicsClientId=client
         )
         return index
 
-    def _loading(self) -> str:
+    def _body_being_loaded(self) -> str:
         names = [body.name for body in self._plan.bodies]
-        names += [planned.thing.name for planned in self._plan.objects]
+        names += [planned.rigid_object.name for planned in self._plan.objects]
         return names[min(len(self.bodies) + len(self.objects), len(names) - 1)]

@@ -8,7 +8,10 @@ import math
 import pytest
 
 from somo_cli.scene.contact_surface import ContactCompliance, ContactSurface
-from somo_cli.simulation.engine.bullet.contact_parameters import contact_parameters, settings
+from somo_cli.simulation.engine.bullet.contact_parameters import (
+    contact_parameters,
+    surface_settings,
+)
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.model import make_plan
 from tests.loading import rows_of, scene_from_text
@@ -22,8 +25,8 @@ BALL = {**surfaces.BALL, "name": "ball"}
 
 
 def test_what_a_surface_does_not_have_is_not_told() -> None:
-    assert settings(ContactSurface(0.5)) == {"lateralFriction": 0.5}
-    assert settings(ContactSurface(0.0, 1e-3, 2e-3, 0.5, ContactCompliance(7.0, 0.0))) == {
+    assert surface_settings(ContactSurface(0.5)) == {"lateralFriction": 0.5}
+    assert surface_settings(ContactSurface(0.0, 1e-3, 2e-3, 0.5, ContactCompliance(7.0, 0.0))) == {
         "lateralFriction": 0.0,
         "spinningFriction": 1e-3,
         "rollingFriction": 2e-3,
@@ -34,7 +37,7 @@ def test_what_a_surface_does_not_have_is_not_told() -> None:
 
 
 def test_directed_friction_is_not_the_engines() -> None:
-    assert settings(ContactSurface(0.5, friction_anisotropy=(1.0, 1.0, 0.1))) == {
+    assert surface_settings(ContactSurface(0.5, friction_anisotropy=(1.0, 1.0, 0.1))) == {
         "lateralFriction": 0.0
     }
 

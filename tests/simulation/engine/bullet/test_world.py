@@ -20,7 +20,7 @@ from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import EngineMissing, EngineRefused
 from somo_cli.simulation.engine.bullet import collision_filter
-from somo_cli.simulation.engine.bullet.body import IDLE_TORQUE, MANY_JOINTS
+from somo_cli.simulation.engine.bullet.body import MAX_UNNAMED_JOINTS, ZERO_EFFECT_TORQUE
 from somo_cli.simulation.engine.bullet.world import BulletBody, BulletWorld
 from somo_cli.simulation.plan.model import Plan, make_plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
@@ -272,7 +272,7 @@ def test_reset_brings_everything_back_exactly() -> None:
 # forces
 
 
-@pytest.mark.parametrize("segments", [1, MANY_JOINTS // 2, MANY_JOINTS // 2 + 1])
+@pytest.mark.parametrize("segments", [1, MAX_UNNAMED_JOINTS // 2, MAX_UNNAMED_JOINTS // 2 + 1])
 def test_torques_are_all_that_is_applied_however_many_joints(segments: int) -> None:
     plan = plan_of({"definition": manipulator(actuator(segments, X, Y))})
     count = len(plan.bodies[0].chain.joints)
@@ -332,7 +332,9 @@ def difference_of_bias(base: str, seed: int) -> tuple[np.ndarray, np.ndarray]:
             velocity = (tuple(linear), tuple(spin)) if base == "free" else None
             body.reset(angles, rates.tolist(), velocity)
             mass = body.mass_matrix(angles)
-            told.append(body.felt_by_joints(body.bias(angles, rates.tolist(), spin.tolist())))
+            told.append(
+                body.equivalent_joint_torques(body.bias(angles, rates.tolist(), spin.tolist()))
+            )
             world.step()
             done.append(-mass @ (rates_of(body) - rates) / STEP)
     return told[1] - told[0], done[1] - done[0]
@@ -369,7 +371,7 @@ def test_bias_forces_and_a_push_of_the_base_leave_every_velocity_as_it_is() -> N
             rates, spin, linear = (3 * random.normal(size=size) for size in (len(angles), 3, 3))
             body.reset(angles, rates.tolist(), (tuple(linear), tuple(spin)))
             bias = body.bias(angles, rates.tolist(), spin.tolist())
-            body.push_base(bias[:6])
+            body.apply_base_wrench(bias[:6])
             body.apply(bias[6:].tolist())
             world.step()
             assert rates_of(body) == pytest.approx(rates, abs=1e-11)
@@ -515,7 +517,7 @@ def test_a_plan_that_keeps_everything_has_every_row(integrator: str) -> None:
                     body.reset(angles, [0.0] * len(joints))
                     world.step()
                     pushed.append(rates_of(body)[index] * beyond < 0)
-        assert motors == {IDLE_TORQUE if is_whole else 0.0}
+        assert motors == {ZERO_EFFECT_TORQUE if is_whole else 0.0}
         assert set(pushed) == {is_whole or integrator == "explicit"}
 
 
@@ -531,7 +533,7 @@ def test_motors_that_are_idle_leave_dry_friction_alone() -> None:
             body.reset([0.0, 0.0], [100.0, 100.0])
             world.step()
             told.append([abs(state[3]) for state in body.joint_states()])
-    assert told == [[pytest.approx(0.01), 0.0], [pytest.approx(0.01), IDLE_TORQUE]]
+    assert told == [[pytest.approx(0.01), 0.0], [pytest.approx(0.01), ZERO_EFFECT_TORQUE]]
 
 
 @pytest.mark.parametrize(("mass", "is_refused"), [(1e-12, False), (1e-13, True)])
@@ -547,11 +549,16 @@ def test_a_joint_that_the_engine_would_hold_is_refused(mass: float, is_refused: 
 
 
 def test_the_solver_takes_fewer_iterations_where_many_points_touch() -> None:
-    assert [collision_filter.iterations(points) for points in (0, 16, 17, 96)] == [200, 200, 50, 50]
+    assert [collision_filter.iteration_limit(points) for points in (0, 16, 17, 96)] == [
+        200,
+        200,
+        50,
+        50,
+    ]
     one = {"definition": manipulator(actuator(2, X))}
     with BulletWorld(plan_of(one, ground={"height": -9})) as world:
         for many in (17, 17, 3):
-            world._points = many
-            world.heed_contacts()
+            world._contact_count = many
+            world.adapt_solver_iterations()
             told = world._bullet.getPhysicsEngineParameters(world._client)
-            assert told["numSolverIterations"] == collision_filter.iterations(many)
+            assert told["numSolverIterations"] == collision_filter.iteration_limit(many)
