@@ -136,6 +136,6 @@ def simulate(
     prepared = prepare(document, scene, warnings)
     blocks: list[Array] = [np.empty((0, len(prepared.names)))]
     # rows are views of a table that is made anew for each batch, so they can be kept
-    with OpenRun(prepared.plan) as body_stepper:
-        summary = body_stepper.run(steps, blocks.append)
+    with OpenRun(prepared.plan) as opened:
+        summary = opened.run(steps, blocks.append)
     return Result(prepared.names, np.concatenate(blocks), prepared.metadata(summary))

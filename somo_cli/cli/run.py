@@ -196,7 +196,7 @@ def _recorded(
         with (
             files.open_partial(output) as stream,
             nullcontext() if of_events is None else files.open_partial(of_events) as event_stream,
-            runs.OpenRun(prepared.plan) as body_stepper,
+            runs.OpenRun(prepared.plan) as opened,
             terminal.progress(steps, "simulating") as advance,
         ):
             writer = CsvWriter(stream, prepared.names, is_live=is_live)
@@ -205,7 +205,7 @@ def _recorded(
             )
             write = writer.write if spool is None else spool.write_through(writer.write)
             on_event = None if events is None else events.write
-            summary = body_stepper.run(steps, write, advance, on_event, is_live)
+            summary = opened.run(steps, write, advance, on_event, is_live)
             return summary, None if events is None else events.events
     except (SimulationDiverged, KeyboardInterrupt):
         for target in targets:
