@@ -9,23 +9,10 @@ import numpy as np
 from somo_cli.arrays import Array
 from somo_cli.scene import columns
 from somo_cli.scene.model import Quantity
+from somo_cli.scene.quantities import BODY_COLUMNS
 from somo_cli.simulation.plan.model import Plan
 
-UNITS: dict[Quantity, str] = {
-    "joint_angles": "rad",
-    "joint_rates": "rad/s",
-    "spring_torques": "N·m",
-    "actuation": "N·m",
-    "link_positions": "m",
-    "link_orientations": "1",
-    "base_pose": "m",
-    "tip_position": "m",
-    "curvatures": "1/m",
-    "energy": "J",
-    "contact_force": "N",
-    "contact_pairs": "N",
-    "link_contact_forces": "N",
-}
+UNITS: dict[Quantity, str] = {name: row.unit for name, row in BODY_COLUMNS.items()}
 
 _VECTOR = 3  # columns that are one vector, whose length is what counts
 _QUATERNION = 4  # columns that are one unit quaternion
@@ -82,8 +69,6 @@ def _error_profile(quantity: Quantity, values: Array, reference: Array) -> Array
         return total
     if quantity == "base_pose":
         difference = difference[:, :_VECTOR]
-    width = {"tip_position": _VECTOR, "base_pose": _VECTOR, "link_positions": _VECTOR}
-    width |= {"link_orientations": _QUATERNION}
-    vectors = difference.reshape(len(difference), -1, width.get(quantity, 1))
+    vectors = difference.reshape(len(difference), -1, BODY_COLUMNS[quantity].vector)
     largest: Array = np.linalg.norm(vectors, axis=2).max(axis=1, initial=0.0)
     return largest

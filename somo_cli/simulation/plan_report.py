@@ -174,14 +174,13 @@ def _engine_decisions(plan: Plan) -> Iterator[Decision]:
 
 
 def _state_decisions(plan: Plan) -> Iterator[Decision]:
-    kinds = {group.quantity for group in columns.body_column_groups(plan.recorded)}
-    object_quantities = {group.reading for group in columns.object_column_groups(plan.recorded)}
-    recorded = ", ".join(sorted({*kinds, *object_quantities})) or "nothing but the time"
+    groups = columns.column_groups(plan.recorded)
+    needs = columns.needs_of(groups)
+    recorded = ", ".join(sorted({group.quantity for group in groups})) or "nothing but the time"
     every = "every step" if plan.every == 1 else f"every {plan.every} steps"
     yield Decision("recorded state", True, f"{recorded}, {every}", _skipped_columns(plan))
-    both = {*kinds, *object_quantities}
     what = "contact points of recorded steps"
-    if not columns.NEEDS_CONTACTS.isdisjoint(both):
+    if "contacts" in needs:
         yield Decision(what, True, "columns need them")
     else:
         saves = "their list for every row" if plan.can_touch else None
@@ -189,7 +188,7 @@ def _state_decisions(plan: Plan) -> Iterator[Decision]:
     # with the implicit law velocities live at half steps, so a row needs those of the step after it
     halves = plan.integrator == "implicit"
     what = "velocities of the step after a row"
-    if halves and not (columns.NEEDS_VELOCITIES | {"velocity"}).isdisjoint(both):
+    if halves and "velocities" in needs:
         yield Decision(what, True, "columns need velocities")
     elif halves:
         why, saves = "no column needs velocities between steps", "a step beyond the last row"

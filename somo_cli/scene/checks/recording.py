@@ -85,7 +85,7 @@ def _column_names_by_kind(found: Scene) -> Mapping[tuple[str, str], Sequence[str
     for group in columns.body_column_groups(recorded):
         names.setdefault(("columns", group.quantity), []).extend(group.selection.names)
     for of_object in columns.object_column_groups(recorded):
-        names.setdefault(("objects", of_object.reading), []).extend(of_object.selection.names)
+        names.setdefault(("objects", of_object.quantity), []).extend(of_object.selection.names)
     return names
 
 

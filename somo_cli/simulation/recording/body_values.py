@@ -12,8 +12,8 @@ import numpy as np
 from somo_cli.arrays import Array
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
-from somo_cli.scene.columns import channels
 from somo_cli.scene.model import Quantity
+from somo_cli.scene.quantities import channels
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.dynamics.forward_kinematics import (
     ForwardKinematics,

@@ -70,13 +70,13 @@ class RowAssembler:
         ]
         self._parts: list[BodyRowBuffer | ObjectRowBuffer] = [*self._bodies, *self._things]
         self._parts_with_velocities = [part for part in self._parts if part.needs_velocities]
-        kinds = {group.quantity for group in groups} | {group.reading for group in of_things}
+        needs = columns.needs_of([*groups, *of_things])
         keeps_all = plan.keeps_unused
-        self._records_contacts = keeps_all or not columns.NEEDS_CONTACTS.isdisjoint(kinds)
+        self._records_contacts = keeps_all or "contacts" in needs
         self.needs_next_step = plan.integrator == "implicit" and (
-            keeps_all or not (columns.NEEDS_VELOCITIES | {"velocity"}).isdisjoint(kinds)
+            keeps_all or "velocities" in needs
         )
-        self._counts_rotations = "angles" in kinds
+        self._counts_rotations = any(one.quantity == "angles" for one in of_things)
         self._time_step = plan.time_step
         self._steps: list[int] = []
         self._touches: list[Sequence[ContactPoint]] = []

@@ -51,11 +51,12 @@ class BodyRowBuffer:
         kinds = {group.quantity for group in groups}
         can_move = body_stepper.body.base != "static"
         # a base that can move is read at every row's step, any other once
-        needs_base_pose = not kinds.isdisjoint(columns.NEEDS_BASE_POSE)
+        needs = columns.needs_of(groups)
+        needs_base_pose = "base_pose" in needs
         self._records_base_pose = can_move and needs_base_pose
         self._base = body_stepper.world_body.base_pose() if needs_base_pose else Pose()
         self._records_base_velocity = can_move and "energy" in kinds
-        self.needs_velocities = not columns.NEEDS_VELOCITIES.isdisjoint(kinds)
+        self.needs_velocities = "velocities" in needs
         """Whether any column needs those of the instant."""
         self._averages_rates = self.needs_velocities and plan.integrator == "implicit"
         self._records_actuation = "actuation" in kinds
@@ -143,7 +144,7 @@ class ObjectRowBuffer:
         self._units = units
         self._number = len(plan.bodies) + index
         self._others = plan.recorded.contact_partners(self._number)
-        kinds = {group.reading for group in groups}
+        kinds = {group.quantity for group in groups}
         self._records_pose = not _NEEDS_POSE.isdisjoint(kinds)
         self.needs_velocities = "velocity" in kinds
         """Whether any column needs those of the instant."""
@@ -193,7 +194,7 @@ class ObjectRowBuffer:
             touches,
         )
         for group in self._groups:
-            values = object_values.OBJECT_VALUES[group.reading](states, self._units)
+            values = object_values.OBJECT_VALUES[group.quantity](states, self._units)
             table[group.first : group.last] = select_values(group, values)
 
 

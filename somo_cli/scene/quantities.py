@@ -1,0 +1,131 @@
+"""What can be recorded: one row for each quantity of a manipulator and of an object.
+
+A new quantity is a row here, a name in the schema, and a function of its values in
+`simulation/recording`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
+
+from somo_cli.manipulator.chain import Chain
+from somo_cli.scene.model import Quantity, limbs_by_tip_name
+from somo_cli.scene.rigid_object import ObjectQuantity
+
+Need: TypeAlias = Literal["base_pose", "velocities", "contacts"]
+"""State that only some columns need: the pose of the base, velocities of the instant, contacts."""
+
+Owners: TypeAlias = Callable[[Chain], Sequence[str]]
+"""Returns what of a chain has columns of its own, such as its joints."""
+
+_XYZ = ("x_m", "y_m", "z_m")
+_XYZW = ("qx", "qy", "qz", "qw")
+_TOTAL_FORCE = ("fx_n", "fy_n", "fz_n", "normal_n")
+FORCE_AND_FRICTION = (
+    *_TOTAL_FORCE,
+    *("friction_n", "friction_x_n", "friction_y_n", "friction_z_n"),
+)
+"""The columns of one contact force: in the world frame, its normal part, its friction."""
+
+
+@dataclass(frozen=True, slots=True)
+class Columns:
+    """The columns of one quantity.
+
+    Each owner has a column for each of the `parts`, whose names end with their unit; a quantity
+    without owners has one set of them. `unit` is that of its error, which is told of vectors of
+    `vector` columns by their length. From column `quaternion_start` on there are unit quaternions,
+    four columns each.
+    """
+
+    parts: tuple[str, ...]
+    unit: str
+    owners: Owners | None = None
+    needs: frozenset[Need] = field(default_factory=frozenset)
+    vector: int = 1
+    quaternion_start: int | None = None
+
+    def names(self, chain: Chain) -> list[str]:
+        """Return the names of the columns, without that of the manipulator."""
+        if self.owners is None:
+            return list(self.parts)
+        return [f"{owner}.{part}" for owner in self.owners(chain) for part in self.parts]
+
+
+def channels(chain: Chain) -> list[tuple[int, int]]:
+    """Return (actuator, axis) of every column of actuation, in their order."""
+    return sorted({(joint.actuator, joint.channel) for joint in chain.joints})
+
+
+def _joints(chain: Chain) -> list[str]:
+    return [joint.name for joint in chain.joints]
+
+
+def _links(chain: Chain) -> list[str]:
+    return [link.name for link in chain.links]
+
+
+def _tips(chain: Chain) -> list[str]:
+    return list(limbs_by_tip_name(chain))
+
+
+def _channel_names(chain: Chain) -> list[str]:
+    names: dict[tuple[int, int], str] = {}
+    for joint in chain.joints:
+        limb = chain.backbone_of(joint)
+        number = joint.actuator - limb.first_actuator
+        name = f"{limb.prefix}actuator_{number}_axis_{joint.channel}"
+        names[joint.actuator, joint.channel] = name
+    return [names[channel] for channel in channels(chain)]
+
+
+def _prefixed(prefix: str, parts: Sequence[str]) -> tuple[str, ...]:
+    return tuple(f"{prefix}.{part}" for part in parts)
+
+
+_BASE: frozenset[Need] = frozenset({"base_pose"})
+_VELOCITIES: frozenset[Need] = frozenset({"velocities"})
+_CONTACTS: frozenset[Need] = frozenset({"contacts"})
+
+BODY_COLUMNS: dict[Quantity, Columns] = {
+    "joint_angles": Columns(("angle_rad",), "rad", _joints),
+    "joint_rates": Columns(("rate_rad_per_s",), "rad/s", _joints, _VELOCITIES),
+    "spring_torques": Columns(("spring_torque_nm",), "N·m", _joints),
+    "actuation": Columns(("torque_nm",), "N·m", _channel_names),
+    "link_positions": Columns(_XYZ, "m", _links, _BASE, vector=3),
+    "link_orientations": Columns(_XYZW, "1", _links, _BASE, vector=4, quaternion_start=0),
+    "base_pose": Columns(
+        _prefixed("base_pose", _XYZ + _XYZW), "m", None, _BASE, vector=3, quaternion_start=3
+    ),
+    "tip_position": Columns(_XYZ, "m", _tips, _BASE, vector=3),
+    "curvatures": Columns(("curvature_per_m",), "1/m", _joints),
+    "energy": Columns(
+        _prefixed("energy", ("kinetic_j", "elastic_j", "gravity_j")),
+        "J",
+        needs=_BASE | _VELOCITIES,
+    ),
+    "contact_force": Columns(_prefixed("contact", _TOTAL_FORCE), "N", needs=_CONTACTS),
+    "contact_pairs": Columns((), "N", needs=_CONTACTS),
+    "link_contact_forces": Columns(
+        _prefixed("contact", FORCE_AND_FRICTION), "N", _links, _CONTACTS
+    ),
+}
+"""What can be recorded of a manipulator; the columns of pairs depend on the whole scene."""
+
+OBJECT_COLUMNS: dict[ObjectQuantity, Columns] = {
+    "pose": Columns(_prefixed("pose", _XYZ + _XYZW), "m", vector=3, quaternion_start=3),
+    "velocity": Columns(
+        (
+            *(f"velocity.{axis}_m_per_s" for axis in "xyz"),
+            *(f"spin.{axis}_rad_per_s" for axis in "xyz"),
+        ),
+        "m/s",
+        needs=_VELOCITIES,
+    ),
+    "angles": Columns(tuple(f"angles.{axis}_rad" for axis in "xyz"), "rad"),
+    "contact_force": Columns(_prefixed("contact", _TOTAL_FORCE), "N", needs=_CONTACTS),
+    "contact_pairs": Columns((), "N", needs=_CONTACTS),
+}
+"""What can be recorded of an object."""
