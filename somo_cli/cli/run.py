@@ -186,7 +186,7 @@ def _recorded(
 ) -> "tuple[RunSummary, int | None]":
     """Simulate into the files; return a summary and, if events are recorded, their number."""
     from somo_cli.api import runs
-    from somo_cli.simulation.monitoring.contact_events import ContactEventWriter
+    from somo_cli.simulation.recording.contact_event_writer import ContactEventWriter
     from somo_cli.simulation.recording.csv_writer import CsvWriter
 
     output, of_events = targets

@@ -1,4 +1,4 @@
-"""What a plan leaves out of a run and keeps, why, and what that saves; before any engine."""
+"""Report what a run leaves out, what it keeps, why, and what that saves; no engine is needed."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from somo_cli.simulation.plan.model import Plan, needs_engine_limits
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """One thing that a run could do: whether it does, and why or why not.
+    """Whether a run does one of the tasks that it could do, and why.
 
-    `saves` says what that spares in this scene, None where it spares nothing or cannot be counted.
+    `saves` says what leaving it out saves in this scene, None if that is nothing or unknown.
     """
 
     what: str

@@ -1,4 +1,4 @@
-"""What a plan spares the engine and the loop, counted: shapes, links, pairs, rows, columns."""
+"""Count what a plan saves the engine and the loop: shapes, links, pairs, rows, columns."""
 
 from __future__ import annotations
 

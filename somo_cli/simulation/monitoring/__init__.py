@@ -1,1 +1,1 @@
-"""What watches a run: divergence, penetration, stop conditions, contact events."""
+"""Monitors of a run: divergence, penetration, stop conditions, contact events."""

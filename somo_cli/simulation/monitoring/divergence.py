@@ -1,4 +1,7 @@
-"""Notices that a run has diverged, by energy and speed: the numbers of one stay finite for long."""
+"""The divergence monitor: ends a run whose numbers have lost their meaning.
+
+It judges by energy and speed, since the numbers of a diverging run stay finite for long.
+"""
 
 from __future__ import annotations
 
@@ -17,27 +20,27 @@ from somo_cli.simulation.integrator.energy_bound import BodyEnergy
 from somo_cli.simulation.plan.model import Body, Plan
 
 MAX_ANGLE_PER_STEP = math.pi  # rad; beyond, a joint's motion cannot be told from its alias
-MAX_ENERGY_RATIO = 4.0  # to what was put in; an integrator at its accuracy limit stays well below 2
-MAX_ENERGY_RATIO_EXPLICIT = (
-    50.0  # likewise: the explicit one keeps E - h v K q / 2, so that it may have up to
-)
-# (1 + x) / (1 - x) times the energy at x = h ω / 2, its share of the limit; this is x = 0.96
+# energy over what was put in; an integrator at its accuracy limit stays well below 2
+MAX_ENERGY_RATIO = 4.0
+# the explicit integrator keeps E - h v K q / 2, so its energy may grow to (1 + x) / (1 - x) times
+# what was put in, where x = h ω / 2 is its share of the stability limit; this is x = 0.96
+MAX_ENERGY_RATIO_EXPLICIT = 50.0
 
 
 class BodyInMotion(Protocol):
-    """What the watch needs to know of one body in motion."""
+    """What the divergence monitor needs of one body in motion."""
 
     @property
     def body(self) -> Body:
-        """Which body it is."""
+        """The body, as planned."""
 
     @property
     def energy(self) -> BodyEnergy:
-        """What energy it has, and may have."""
+        """Its energy, and the bound of it."""
 
     @property
     def max_rate(self) -> float:
-        """The rate of its max_rate joint [rad/s]."""
+        """The rate of its fastest joint [rad/s]."""
 
     @property
     def mass(self) -> Array:
@@ -45,7 +48,7 @@ class BodyInMotion(Protocol):
 
     @property
     def mass_at_start(self) -> Array:
-        """The same at the start."""
+        """The joint-space inertia at the start, shape (n, n)."""
 
     @property
     def rates(self) -> Array:
@@ -53,15 +56,15 @@ class BodyInMotion(Protocol):
 
 
 class MeasurableBody(BodyInMotion, Protocol):
-    """A body that can be asked for its present speed and energy."""
+    """A body whose speed and energy can be measured."""
 
     def measure(self) -> None:
-        """Take them."""
+        """Measure speed and energy at the present instant."""
 
 
 @dataclass(frozen=True, slots=True)
 class StateHistory:
-    """One body in several rows: angles and rates, shape (rows, n), and its inertia in each."""
+    """One body in several rows: angles [rad] and rates [rad/s], shape (rows, n), and inertias."""
 
     angles: Array
     rates: Array
@@ -69,10 +72,10 @@ class StateHistory:
 
 
 class DivergenceMonitor:
-    """Looks at bodies in motion every few steps, and at rows before they are written.
+    """Checks bodies in motion at the monitoring interval, and rows before they are written.
 
-    `object_energy` tells the most energy that objects may have added by now. What is put in is counted in
-    every step, so that the verdict does not depend on what is recorded.
+    `object_energy` returns an upper bound on the energy that objects have added so far. Work is
+    counted in every step, so the verdict does not depend on what is recorded.
     """
 
     def __init__(
@@ -94,7 +97,7 @@ class DivergenceMonitor:
         check(step, self._plan, self._bodies, self._object_energy)
 
     def count_valid_rows(self, histories: Sequence[StateHistory]) -> int:
-        """Return how many rows come before the first to be refused; histories of all bodies."""
+        """Return the number of rows before the first invalid one; histories of all bodies."""
         rows = len(histories[0].masses)
         present, max_rate = np.zeros(rows), np.zeros(rows)
         for one, history in zip(self._bodies, histories, strict=True):
@@ -105,7 +108,7 @@ class DivergenceMonitor:
         return rows if is_valid.all() else int(is_valid.argmin())
 
     def raise_diverged(self, step: int, histories: Sequence[StateHistory], row: int) -> NoReturn:
-        """Raise SimulationDiverged for a row, which stands for a step."""
+        """Raise SimulationDiverged for the state of a body in a row, recorded at a step."""
         _raise_diverged(
             step,
             self._plan,
@@ -119,10 +122,11 @@ class DivergenceMonitor:
 def check(
     step: int, plan: Plan, bodies: Sequence[BodyInMotion], object_energy: float = 0.0
 ) -> None:
-    """Raise SimulationDiverged if the bodies together have more energy than they can have.
+    """Raise SimulationDiverged if the energy of all bodies exceeds its bound.
 
-    Together, because contact moves energy from one to another; `object_energy` is what objects may have
-    added. A joint that turns too far in one step is refused as well.
+    It is summed over the bodies, because contact moves energy from one to another;
+    `object_energy` bounds what objects have added. A joint that turns by more than
+    MAX_ANGLE_PER_STEP in one step counts as diverged, too.
     """
     limit = MAX_ANGLE_PER_STEP / plan.time_step
     present = sum(one.energy.present for one in bodies)
@@ -181,7 +185,7 @@ def _raise_diverged(step: int, plan: Plan, bodies: Sequence[BodyInMotion]) -> No
 
 
 def _index_of_largest(values: Array) -> int:
-    """Return the index of the largest value; one that is not a number counts as larger still."""
+    """Return the index of the largest value; NaN counts as the largest."""
     return int(np.argmax(np.where(np.isfinite(values), values, np.inf)))
 
 

@@ -1,8 +1,8 @@
-"""Notices that contact is not followed: a body deep inside another, which rigid ones never are.
+"""The penetration monitor: warns of bodies deep inside each other, which rigid bodies never are.
 
-The engine stops bodies that touch and pushes out what is already inside, a fifth of the depth in
-each step. Where a step carries a body far into another, its blow comes late, in a wrong direction,
-or not at all; the run may stay finite and look sound.
+The engine stops bodies that touch, and pushes out a fifth of the depth in each step. Where a step
+carries a body far into another, the impact comes late, in a wrong direction, or not at all; the
+run may stay finite and look right.
 """
 
 from __future__ import annotations
@@ -18,9 +18,7 @@ from somo_cli.simulation.engine.interface import World
 from somo_cli.simulation.plan.model import Plan
 
 DEEP_PENETRATION_RATIO = 0.2  # of the thickness of the thinner of two bodies
-MAX_TIME_BETWEEN_SAMPLES = (
-    8e-3  # s, at at most, but for one step: the engine pushes out half in three steps
-)
+MAX_TIME_BETWEEN_SAMPLES = 8e-3  # s, unless a step is longer: half is pushed out in three steps
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +40,7 @@ class Penetration:
 
 
 class PenetrationMonitor:
-    """The deepest penetration of a run, relative to what is penetrated."""
+    """Keeps the deepest penetration of a run, relative to the thickness of the thinner body."""
 
     def __init__(self, plan: Plan, world: World) -> None:
         self.deepest: Penetration | None = None
@@ -55,7 +53,7 @@ class PenetrationMonitor:
         self._names = plan.recorded.names
 
     def update(self, step: int) -> None:
-        """Take how deep bodies are in each other now."""
+        """Sample the depths of the last step."""
         for first, second, depth in self._world.penetrations():
             depth_ratio = depth / min(self._thickness_of(first), self._thickness_of(second))
             if self.deepest is None or depth_ratio > self.deepest.depth_ratio:
@@ -70,7 +68,7 @@ class PenetrationMonitor:
 
 
 def steps_between_samples(time_step: float, max_steps: int) -> int:
-    """Return how many steps may pass between two looks, at max_steps `max_steps`."""
+    """Return the number of steps from one sample to the next, at most `max_steps`."""
     return max(1, min(max_steps, int(MAX_TIME_BETWEEN_SAMPLES / time_step)))
 
 
@@ -90,11 +88,11 @@ def _least_extent(solid: AnySolid) -> float:
 
 
 def penetration_warning(found: Penetration, time_step: float) -> str:
-    """Return what to tell a person of contact that was not followed."""
+    """Return the warning for contact that was not followed."""
     first, second = found.bodies
     return (
         f"at {found.time:.4g} s '{first}' and '{second}' were {1e3 * found.depth:.3g} mm deep in "
-        f"each other, {100 * found.depth_ratio:.0f} % of the thinner one's thickness: contact was not "
-        f"followed; try half the step, --time-step {time_step / 2:g}, and see that they do not "
+        f"each other, {100 * found.depth_ratio:.0f} % of the thinner one's thickness: contact was "
+        f"not followed; try half the step, --time-step {time_step / 2:g}, and see that they do not "
         "overlap at the start"
     )

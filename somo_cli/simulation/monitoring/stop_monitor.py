@@ -1,4 +1,4 @@
-"""Notices that a condition of the scene ends a run."""
+"""The stop monitor: ends a run when a stop condition of the scene is met."""
 
 from __future__ import annotations
 
@@ -22,24 +22,24 @@ from somo_cli.simulation.integrator.body_stepper import BodyStepper
 from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.plan.units import unit_factors_of
 
-_STEP_TOLERANCE = 1e-9  # of a step: what rounding may put a time behind the step that stands for it
+_STEP_TOLERANCE = 1e-9  # of a step: rounding may put a time that much after its step
 
 ConditionCheck: TypeAlias = Callable[[float], str | None]
-"""Takes the time [s]; returns what has come about, if it has."""
+"""Takes the time [s]; returns the reason to stop, if the condition is met."""
 
 
 @dataclass(frozen=True, slots=True)
 class StopReason:
-    """Which condition of the scene, counted from 0, ended a run, and what came about."""
+    """The stop condition that ended a run, counted from 0, and the reason in words."""
 
     condition: int
     reason: str
 
 
 class StopMonitor:
-    """Asks the conditions of a plan at its looks, which do not depend on where rows fall.
+    """Checks the stop conditions of a plan at the monitoring interval.
 
-    Times are exact: they bound the number of steps.
+    A stop time is exact: it bounds the number of steps.
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class StopMonitor:
             if isinstance(stop, StopAtTime)
         ]
         self.steps = min([steps, *(step for step, _, _ in times)])
-        """The last step that the run may do."""
+        """The last step of the run."""
         self._time_step = plan.time_step
         self._reason_at_last = next(
             (
@@ -68,7 +68,7 @@ class StopMonitor:
         ]
 
     def check(self, step: int) -> StopReason | None:
-        """Return what ends the run with this step, at which there is a look."""
+        """Return the reason to stop at a monitored step, None to go on."""
         for number, condition in self._conditions:
             reason = condition(step * self._time_step)
             if reason is not None:
@@ -76,7 +76,7 @@ class StopMonitor:
         return None
 
     def at_step(self, step: int) -> StopReason | None:
-        """Return what ends the run with a step because of its time alone."""
+        """Return the stop condition by time that ends the run at a step, None if there is none."""
         return self._reason_at_last if step >= self.steps else None
 
 
@@ -89,16 +89,16 @@ def _condition(
 ) -> ConditionCheck:
     if isinstance(stop, StopOutsideBox):
         names = [planned.rigid_object.name for planned in plan.objects]
-        thing = world.objects[names.index(stop.object_name)]
-        return partial(_reason_outside_bounds, stop, thing, unit_factors_of(plan).length)
+        rigid_object = world.objects[names.index(stop.object_name)]
+        return partial(_reason_outside_bounds, stop, rigid_object, unit_factors_of(plan).length)
     assert isinstance(stop, StopAtRest)
     return _RestCondition(stop, plan, world, body_steppers).condition
 
 
 def _reason_outside_bounds(
-    stop: StopOutsideBox, thing: WorldObject, length: float, time: float
+    stop: StopOutsideBox, rigid_object: WorldObject, length: float, time: float
 ) -> str | None:
-    position = thing.pose().position
+    position = rigid_object.pose().position
     for axis, low, value, high in zip(AXIS_NAMES, stop.lower, position, stop.upper, strict=True):
         if not low <= value <= high:
             bounds = f"[{low / length:g}, {high / length:g}]"
@@ -109,7 +109,7 @@ def _reason_outside_bounds(
 
 
 class _RestCondition:
-    """Counts for how long everything has been slow."""
+    """Counts for how long every body has been slow."""
 
     def __init__(
         self, stop: StopAtRest, plan: Plan, world: World, body_steppers: Sequence[BodyStepper]
@@ -122,8 +122,8 @@ class _RestCondition:
             if body_stepper.body.base == "free" or body_stepper.body.path is not None
         ]
         self._velocities += [
-            thing.velocity
-            for thing, planned in zip(world.objects, plan.objects, strict=True)
+            rigid_object.velocity
+            for rigid_object, planned in zip(world.objects, plan.objects, strict=True)
             if not planned.rigid_object.is_fixed
         ]
         self._slow_since: float | None = None

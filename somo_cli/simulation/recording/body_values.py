@@ -30,12 +30,12 @@ from somo_cli.simulation.recording import contact_values
 
 @dataclass
 class BodyStates:
-    """One body at several instants, in engine units: angles, rates and actuation, shape (n, rows).
+    """One body in several rows, in engine units: angles, rates and actuation, shape (n, rows).
 
     `base_poses` are those of the base's URDF frame in the world, if a column needs them, one for
     each row or one for all; `base_velocities` hold the velocity of the base's centre of mass and
-    its spin, in the world. `number` is that of the body, and `touches` all that touched anything
-    in the step before each row.
+    its angular velocity, in the world. `number` is that of the body. `contacts` lists all contact
+    points of the step before each row.
     """
 
     body: Body
@@ -49,7 +49,7 @@ class BodyStates:
     dynamics: Callable[[], ChainDynamics]
     number: int = 0
     others: Sequence[int] = ()
-    touches: Sequence[Sequence[ContactPoint]] = ()
+    contacts: Sequence[Sequence[ContactPoint]] = ()
 
     @cached_property
     def base_frames(self) -> Frames:
@@ -134,20 +134,20 @@ def _energy(states: BodyStates, units: UnitFactors) -> Array:
 
 def _contact_force(states: BodyStates, units: UnitFactors) -> Array:
     number = states.number
-    return np.array([contact_values.total_force(row, number, units) for row in states.touches]).T
+    return np.array([contact_values.total_force(row, number, units) for row in states.contacts]).T
 
 
 def _contact_pairs(states: BodyStates, units: UnitFactors) -> Array:
     number, others = states.number, states.others
     return np.array(
-        [contact_values.pair_forces(row, number, others, units) for row in states.touches]
+        [contact_values.pair_forces(row, number, others, units) for row in states.contacts]
     ).T
 
 
 def _link_contact_forces(states: BodyStates, units: UnitFactors) -> Array:
     number, count = states.number, len(states.body.chain.links)
     return np.array(
-        [contact_values.link_forces(row, number, count, units) for row in states.touches]
+        [contact_values.link_forces(row, number, count, units) for row in states.contacts]
     ).T
 
 

@@ -1,4 +1,4 @@
-"""Rows to CSV as they come, and rows kept to be read again; only a few at a time in memory."""
+"""Write rows to CSV as they come, and keep rows to be read again, a few at a time in memory."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ import numpy as np
 from somo_cli.arrays import Array
 from somo_cli.simulation.recording import shortest_float
 
-_NUMBERS_PER_BLOCK = 4096  # that are turned into decimals at once, which is when that is fastest
-_FEW_NUMBERS = 256  # numbers for which one at a time is faster
+_NUMBERS_PER_BLOCK = 4096  # numbers converted at once, the fastest block
+_FEW_NUMBERS = 256  # up to here, one at a time is faster
 
 
 class CsvWriter:
     """Writes a header and then rows to an open text stream.
 
     Numbers are the shortest decimals that read back as exactly the same floats. Names come from
-    a safe alphabet, so nothing needs quotes. If `is_live` every row leaves as a whole line at
-    once, for a reader at the other end of a pipe.
+    a safe alphabet, so nothing needs quotes. If `is_live` every row is flushed
+    as a whole line, for a reader at the other end of a pipe.
     """
 
     def __init__(self, stream: TextIO, names: Sequence[str], is_live: bool = False) -> None:

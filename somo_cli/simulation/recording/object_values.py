@@ -20,11 +20,11 @@ from somo_cli.simulation.recording import contact_values
 
 @dataclass
 class ObjectStates:
-    """One object at several instants, in engine units and the world's axes; what columns need.
+    """One object in several rows, in engine units and the world frame; empty where not needed.
 
-    `number` is that of the object behind all bodies, and `touches` what touched anything in the
-    step before each row. `total_rotations` is how far it has total_rotations since the start, as `turning` counts
-    it [rad]; `velocities` hold that of its centre, and its spin.
+    `number` counts objects after all bodies. `contacts` lists all contact points of the step
+    before each row. `total_rotations` are those of RotationCounter [rad]; `velocities` hold the
+    velocity of the centre of mass and the angular velocity.
     """
 
     number: int
@@ -32,11 +32,11 @@ class ObjectStates:
     poses: Sequence[Pose]
     velocities: Sequence[tuple[Vector, Vector]]
     total_rotations: Sequence[Vector]
-    touches: Sequence[Sequence[ContactPoint]]
+    contacts: Sequence[Sequence[ContactPoint]]
 
 
 ObjectValueReader: TypeAlias = Callable[[ObjectStates, UnitFactors], Array]
-"""Returns the columns of a reading, shape (columns, rows)."""
+"""Returns the columns of a quantity, shape (columns, rows)."""
 
 
 def _pose(states: ObjectStates, units: UnitFactors) -> Array:
@@ -55,13 +55,13 @@ def _angles(states: ObjectStates, units: UnitFactors) -> Array:
 
 def _contact_force(states: ObjectStates, units: UnitFactors) -> Array:
     number = states.number
-    return np.array([contact_values.total_force(row, number, units) for row in states.touches]).T
+    return np.array([contact_values.total_force(row, number, units) for row in states.contacts]).T
 
 
 def _contact_pairs(states: ObjectStates, units: UnitFactors) -> Array:
     number, others = states.number, states.others
     return np.array(
-        [contact_values.pair_forces(row, number, others, units) for row in states.touches]
+        [contact_values.pair_forces(row, number, others, units) for row in states.contacts]
     ).T
 
 

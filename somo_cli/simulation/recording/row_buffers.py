@@ -1,4 +1,4 @@
-"""What was taken of bodies and objects in several steps, and the columns made of it."""
+"""Buffers for the states of bodies and objects in several rows, and the columns made of them."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ _AT_REST = (geometry.ZERO, geometry.ZERO)
 
 
 class BodyRowBuffer:
-    """The columns of one manipulator, and its states in all rows, for the watch.
+    """The states of one manipulator in at most `capacity` rows, and its columns.
 
-    There is room for `capacity` rows.
+    The divergence monitor checks the states.
     """
 
     def __init__(
@@ -57,12 +57,12 @@ class BodyRowBuffer:
         self._base = body_stepper.world_body.base_pose() if needs_base_pose else Pose()
         self._records_base_velocity = can_move and "energy" in kinds
         self.needs_velocities = "velocities" in needs
-        """Whether any column needs those of the instant."""
+        """Whether a column needs velocities at the instant of its row."""
         self._averages_rates = self.needs_velocities and plan.integrator == "implicit"
         self._records_actuation = "actuation" in kinds
         self._poses = ForwardKinematics(body_stepper.body.chain)
         self._groups = groups
-        # angles and rates, as the law has them one behind the other
+        # angles and rates one after the other, as in the law's state
         self._motion = body_stepper.law.motion
         count = len(body_stepper.law.rates)
         self._motions: Array = np.empty((capacity, 2 * count))
@@ -71,14 +71,14 @@ class BodyRowBuffer:
         self.clear()
 
     def clear(self) -> None:
-        """Forget what was taken."""
+        """Forget all rows."""
         self._masses: list[Array] = []
         self._bases: list[Pose] = []
         self._velocities: list[tuple[Vector, Vector]] = []
         self._velocities_after: list[tuple[Vector, Vector]] = []
 
     def take(self, row: int) -> None:
-        """Take the present state for a row."""
+        """Keep the present state for a row."""
         body_stepper = self._body_stepper
         self._motions[row] = self._motion
         self._masses.append(body_stepper.mass)
@@ -90,18 +90,18 @@ class BodyRowBuffer:
             self._velocities.append(body_stepper.world_body.base_velocity())
 
     def complete(self, row: int) -> None:
-        """Take the velocities half a step after the state of a row, the last that was taken."""
+        """Keep the velocities half a step after the state of the last row."""
         self._rates_after[row] = self._law.rates
         if self._records_base_velocity:
             self._velocities_after.append(self._body_stepper.world_body.base_velocity())
 
     def history(self, rows: int) -> StateHistory:
-        """Return the first so many states, for the watch."""
+        """Return the states of the first rows."""
         count = len(self._law.rates)
         motions = self._motions[:rows]
         return StateHistory(motions[:, :count], motions[:, count:], self._masses[:rows])
 
-    def fill(self, table: Array, touches: Sequence[Sequence[ContactPoint]]) -> None:
+    def fill(self, table: Array, contacts: Sequence[Sequence[ContactPoint]]) -> None:
         """Write the columns, shape (columns, rows), for as many rows as the table has."""
         rows = table.shape[1]
         if not (rows and self._groups):
@@ -122,7 +122,7 @@ class BodyRowBuffer:
             self._body_stepper.dynamics,
             self._number,
             self._others,
-            touches,
+            contacts,
         )
         for group in self._groups:
             values = body_values.BODY_VALUES[group.quantity](states, self._units)
@@ -130,57 +130,57 @@ class BodyRowBuffer:
 
 
 class ObjectRowBuffer:
-    """The columns of one object."""
+    """The states of one object in several rows, and its columns."""
 
     def __init__(
         self,
         plan: Plan,
         index: int,
-        thing: WorldObject,
+        rigid_object: WorldObject,
         groups: Sequence[ObjectColumnGroup],
         units: UnitFactors,
     ) -> None:
-        self._thing = thing
+        self._object = rigid_object
         self._units = units
         self._number = len(plan.bodies) + index
         self._others = plan.recorded.contact_partners(self._number)
         kinds = {group.quantity for group in groups}
         self._records_pose = not _NEEDS_POSE.isdisjoint(kinds)
         self.needs_velocities = "velocity" in kinds
-        """Whether any column needs those of the instant."""
+        """Whether a column needs velocities at the instant of its row."""
         self._rotation_counter = (
-            RotationCounter(thing.pose().rotation) if "angles" in kinds else None
+            RotationCounter(rigid_object.pose().rotation) if "angles" in kinds else None
         )
         self._groups = groups
         self.clear()
 
     def clear(self) -> None:
-        """Forget what was taken."""
+        """Forget all rows."""
         self._poses: list[Pose] = []
         self._total_rotations: list[Vector] = []
         self._velocities: list[tuple[Vector, Vector]] = []
         self._velocities_after: list[tuple[Vector, Vector]] = []
 
     def count_rotation(self) -> None:
-        """Count the turns since the last look."""
+        """Count the rotation since the last call."""
         if self._rotation_counter is not None:
-            self._rotation_counter.update(self._thing.pose().rotation)
+            self._rotation_counter.update(self._object.pose().rotation)
 
     def take(self, row: int) -> None:
-        """Take the present state for a row."""
+        """Keep the present state for a row."""
         if self._records_pose:
-            pose = self._thing.pose()
+            pose = self._object.pose()
             self._poses.append(pose)
             if self._rotation_counter is not None:
                 self._total_rotations.append(self._rotation_counter.at(pose.rotation))
         if self.needs_velocities:
-            self._velocities.append(self._thing.velocity())
+            self._velocities.append(self._object.velocity())
 
     def complete(self, row: int) -> None:
-        """Take the velocities half a step after the state of a row, the last that was taken."""
-        self._velocities_after.append(self._thing.velocity())
+        """Keep the velocities half a step after the state of the last row."""
+        self._velocities_after.append(self._object.velocity())
 
-    def fill(self, table: Array, touches: Sequence[Sequence[ContactPoint]]) -> None:
+    def fill(self, table: Array, contacts: Sequence[Sequence[ContactPoint]]) -> None:
         """Write the columns, shape (columns, rows), for as many rows as the table has."""
         rows = table.shape[1]
         if not rows:
@@ -191,7 +191,7 @@ class ObjectRowBuffer:
             self._poses[:rows],
             mean_velocities(self._velocities[:rows], self._velocities_after),
             self._total_rotations[:rows],
-            touches,
+            contacts,
         )
         for group in self._groups:
             values = object_values.OBJECT_VALUES[group.quantity](states, self._units)
@@ -199,14 +199,14 @@ class ObjectRowBuffer:
 
 
 def select_values(group: BodyColumnGroup | ObjectColumnGroup, values: Array) -> Array:
-    """Return of the columns of a quantity, shape (columns, rows), those that are kept."""
+    """Return the selected columns of a quantity, shape (columns, rows)."""
     return values if group.selection.selects_all else values[list(group.selection.indices)]
 
 
 def mean_velocities(
     before: Sequence[tuple[Vector, Vector]], after: Sequence[tuple[Vector, Vector]]
 ) -> list[tuple[Vector, Vector]]:
-    """Return the mean_velocities of velocities half a step before and after, or those before if alone."""
+    """Return the means of velocities half a step before and after; those before without after."""
     if not after:
         return list(before)
     return [_mean_velocity(*pair) for pair in zip(before, after, strict=False)]

@@ -1,11 +1,14 @@
 """The shortest decimals of many floats at once, to the last character those of `repr`.
 
-`repr` takes longer for a number than the engine does for a joint's step. Here a number x > 0 is led
-to m = x 10^k within [1e16, 1e17), as a sum of two floats whose error is below 1e-13. Half a unit
-in the last place of x is 0.5 to 12 there, so the shortest decimal that reads back as x is the
-nearest multiple of 100, else of 10, that is nearer to m than that, else the nearest integer, but
-for zeros at its end. What lies closer to such a decision than `DECISION_MARGIN` is left to `repr`, and so are
-numbers from 10 on, those below `SMALLEST`, powers of two, and what is not a number.
+`repr` takes longer for a number than the engine does for a joint's step. Here a number x > 0 is
+scaled to m = x 10^k within [1e16, 1e17), kept as a sum of two floats with an error below 1e-13.
+There, half a unit in the last place of x is 0.5 to 12. So the shortest decimal that reads back as
+x is the multiple of 100 nearest to m if it lies within that half unit, else such a multiple of 10,
+else the nearest integer; zeros at its end are dropped. `repr` writes what lies within
+`DECISION_MARGIN` of such a decision, numbers from 10 on, those below `SMALLEST`, powers of two,
+and NaN.
+
+orjson writes the same digits faster, but spells 1e-09 as 1e-9 and NaN as null: files would change.
 
 Dekker, Num. Math. 18 (1971) 224 (the product of two floats as a sum of two).
 """
@@ -42,7 +45,7 @@ def lines(values: Floats) -> bytes:
     return words.tobytes().translate(None, b"\0")
 
 
-@np.errstate(all="ignore")  # what is not a number is left to repr
+@np.errstate(all="ignore")  # NaN is left to repr
 def _words(values: Floats) -> Words:
     """Return each number as 32 bytes, shape (n, 4): characters, in between them zeros."""
     size = np.abs(values)
@@ -85,7 +88,7 @@ def _shortest(
     # Dekker's product: m = product + error; from 2^53 on product is an integer
     error = ((x_upper * upper - product) + x_upper * lower + x_lower * upper) + x_lower * lower
     error += x * rest
-    # what m is remainder a multiple of 100, and which decimal is the nearest to it there
+    # the remainder of m above a multiple of 100, and the decimal nearest to it
     whole = product.astype(np.int64)
     hundreds = whole // 100 * 100
     remainder = (whole - hundreds) + error
