@@ -138,7 +138,7 @@ def piecewise_signal(
         pieces = _cubic_pieces(times, values, repeat)
     elif interpolation == "linear":
         pieces = [
-            (values[i], (values[i + 1] - values[i]) / (times[i + 1] - times[i]), 0.0, 0.0)
+            (values[i], _slope(values[i + 1] - values[i], times[i + 1] - times[i]), 0.0, 0.0)
             for i in range(len(values) - 1)
         ]
     else:
@@ -160,3 +160,12 @@ def _cubic_pieces(
         bend = (slope + slopes[i + 1] - 2 * chord) / width
         pieces.append((value, slope, (chord - slope) / width - bend, bend / width))
     return pieces
+
+
+def _slope(rise: float, width: float) -> float:
+    """Return the slope of a straight piece; 0 where it rises too fast for a float, as a jump does.
+
+    An infinite slope would make the value at the start of the piece 0 times infinity.
+    """
+    slope = rise / width
+    return slope if math.isfinite(slope) else 0.0

@@ -71,6 +71,10 @@ def read_trajectory(
         if times and time <= times[-1]:
             if signed == values[-1]:
                 continue
+            if times[-1] == 0.0:
+                # a part of one knot at time zero takes no time: the next part begins at once
+                values[-1] = signed
+                continue
             # two parts that meet with different values jump just after they meet
             time = math.nextafter(times[-1], math.inf)
         times.append(time)

@@ -161,3 +161,9 @@ def test_a_square_wave_is_steady_in_between() -> None:
     for shape in ("sine", "triangle", "trapezoid"):
         assert Wave(shape, 1, 2).constant_until(0.1) == 0.1
         assert Wave(shape, 0, 2).constant_until(0.1) == math.inf
+
+
+@pytest.mark.parametrize("interpolation", ["linear", "step"])
+def test_a_jump_that_no_float_has_a_slope_for_is_a_jump(interpolation: Interpolation) -> None:
+    signal = piecewise_signal([(0.0, 0.0), (5e-324, 1.0), (1.0, 1.0)], interpolation, False)
+    assert [signal.at(0.0), signal.at(1e-9), signal.at(2.0)] == [0.0, 1.0, 1.0]

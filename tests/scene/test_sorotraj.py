@@ -255,3 +255,12 @@ def test_a_mix_has_one_weight_per_channel() -> None:
     assert said(trajectory="gate", mix=[1]) == ["there is no trajectory 'gate'"]
     assert said(trajectory="gait") == ["a trajectory needs a mix"]
     assert said(torque=1, mix=[1]) == ["mix has no meaning beside a constant torque"]
+
+
+def test_a_part_of_one_knot_at_time_zero_takes_no_time() -> None:
+    parts = {"prefix": [[0, 0]], "main": [[0, 1], [1, 2], [2, 1]], "suffix": [[0, 4]]}
+    whole = read_trajectory(file_of(setpoints=parts))
+    assert whole.times[:3] == (0.0, 1.0, 2.0)
+    assert whole.values == ((1.0,), (2.0,), (1.0,), (4.0,))
+    signal = piecewise_signal(whole.weighted_sum([1]), "linear", False)
+    assert [signal.at(t) for t in (0.0, 0.5, 2.0, 2.1)] == pytest.approx([1, 1.5, 1, 4])
