@@ -19,7 +19,7 @@ ifneq ($(PYTHON),$(shell cat $(READY) 2>/dev/null))
 endif
 endif
 
-.PHONY: all help sync demo test test-all check format map golden bench truth contact extreme studies build clean
+.PHONY: all help sync demo test test-all check format map golden bench truth contact objects extreme studies build clean
 .DELETE_ON_ERROR:
 
 all: help
@@ -99,6 +99,9 @@ contact: sync ## hold contact against converged references, over laws, cases and
 
 extreme: sync ## run stiff and extreme cases (minutes), and compare with the matrix of before
 	$(RUN) tests.extreme
+
+objects: sync ## load the objects that come with PyBullet, and compare with its own loader (minutes)
+	$(RUN) tests.public_objects
 
 studies: sync ## run the studies of the README at full length (minutes)
 	$(RUN) tests.studies
