@@ -13,6 +13,7 @@ from somo_cli.document.include import include
 from somo_cli.document.parse import Document, parse
 from somo_cli.manipulator import compile as compiler
 from somo_cli.manipulator.assembly import is_assembly
+from somo_cli.packages import Packages, open_reference
 from somo_cli.problems import (
     EngineMissing,
     EngineRefused,
@@ -30,22 +31,32 @@ from somo_cli.scene.model import Scene
 Auto: TypeAlias = Literal["auto"]
 
 
-def load(path: str, sets: Sequence[str] = (), allow_outside: bool = False) -> Document:
+def load(
+    path: str,
+    sets: Sequence[str] = (),
+    allow_outside: bool = False,
+    packages: Packages | None = None,
+) -> Document:
     """Read a definition or scene, put in the files it names, and override values.
 
-    Files lie in the folder of the one that names them, or below, unless `allow_outside`. Raises
+    Files lie in the folder of the one that names them, or below, unless `allow_outside`, or in
+    the folders of `packages`, where package:// and model:// names lead. Raises
     OSError, and InvalidFile with every fault of the whole if a file cannot be put in.
     """
-    return load_text(files.read_text(path), path, sets, allow_outside)
+    return load_text(files.read_text(path), path, sets, allow_outside, packages)
 
 
 def load_text(
-    text: str, source: str, sets: Sequence[str] = (), allow_outside: bool = False
+    text: str,
+    source: str,
+    sets: Sequence[str] = (),
+    allow_outside: bool = False,
+    packages: Packages | None = None,
 ) -> Document:
     """Do as `load` does with the text of a file; other files are relative to `source`."""
-    document = _with_parts(parse(text, source), allow_outside)
+    document = _with_parts(parse(text, source), allow_outside, packages or {})
     for assignment in sets:
-        document = _with_parts(override(document, assignment), allow_outside)
+        document = _with_parts(override(document, assignment), allow_outside, packages or {})
     return document
 
 
@@ -181,14 +192,26 @@ def _with_chosen_step(found: Scene, document: Document) -> Scene:
     return dataclasses.replace(found, time_step=step, expected_tip_error=error)
 
 
-def _with_parts(document: Document, allow_outside: bool) -> Document:
+def _convex_pieces(text: str, source: str) -> str | None:
+    # the engine, which few scenes need before they run
+    from somo_cli.scene.mesh import MeshError, triangles_as_obj
+    from somo_cli.simulation.engine.bullet.convex_decomposition import convex_pieces
+
+    try:
+        return convex_pieces(triangles_as_obj(text, source))
+    except MeshError:
+        return None  # what is wrong with the mesh is told where it is checked
+
+
+def _with_parts(document: Document, allow_outside: bool, packages: Packages) -> Document:
     is_scene = scene_model.is_scene(document)
     places = scene_model.FILE_POINTERS if is_scene else compiler.FILE_POINTERS
-    open_text = partial(files.open_reference, is_outside_allowed=allow_outside)
+    open_text = partial(open_reference, packages, is_outside_allowed=allow_outside)
     document, problems = include(document, places, open_text)
     if is_scene:
         document, more = object_files.include_object_files(document, open_text)
         problems += more
+        document = object_files.with_pieces(document, _convex_pieces)
     if problems:
         raise InvalidFile([*problems, *check(document)], document.texts)
     return document

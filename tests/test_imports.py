@@ -29,7 +29,7 @@ JUDGING = TYPER | {"jsonschema", "referencing", "yaml", "xml"}
 RUNNING = JUDGING | {"numpy", "pybullet"}
 
 DOOR = {"cli", "files", "problems", "terminal"}
-LOADING = DOOR | {"document", "loading", "manipulator", "scene", "scene.checks"}
+LOADING = DOOR | {"document", "loading", "manipulator", "packages", "scene", "scene.checks"}
 PLANNED = LOADING | {
     "arrays",
     "simulation",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from os import PathLike, fspath
 from typing import TypeAlias
 
@@ -17,18 +17,22 @@ Source: TypeAlias = "Document | str | PathLike[str]"
 
 
 def load(
-    path: str | PathLike[str], sets: Sequence[str] = (), allow_outside: bool = False
+    path: str | PathLike[str],
+    sets: Sequence[str] = (),
+    allow_outside: bool = False,
+    packages: Mapping[str, str] | None = None,
 ) -> Document:
     """Load a definition, an assembly, a scene or a trajectory, with the files that it names.
 
     `sets` overrides values as `--set` does, such as "integrator=euler". Files lie in the folder of
-    the one that names them, or below, unless `allow_outside`.
+    the one that names them, or below, unless `allow_outside`, or in the folders of `packages`, where
+    package:// and model:// names lead.
 
     Raises:
         InvalidFile: With every error of all files, each at its line and column.
         OSError: A file cannot be read.
     """
-    document = loading.load(fspath(path), sets, allow_outside)
+    document = loading.load(fspath(path), sets, allow_outside, packages)
     problems = loading.check(document)
     if has_errors(problems):
         raise InvalidFile(problems, document.texts)
@@ -40,7 +44,9 @@ def document_of(source: Source) -> Document:
     return source if isinstance(source, Document) else load(source)
 
 
-def check(source: Source, allow_outside: bool = False) -> tuple[Problem, ...]:
+def check(
+    source: Source, allow_outside: bool = False, packages: Mapping[str, str] | None = None
+) -> tuple[Problem, ...]:
     """Return every error and warning of a file, in reading order; none raises InvalidFile.
 
     Where the engine is installed, parts of a scene that overlap at the start are among them. Raises
@@ -50,7 +56,7 @@ def check(source: Source, allow_outside: bool = False) -> tuple[Problem, ...]:
         document = (
             source
             if isinstance(source, Document)
-            else loading.load(fspath(source), (), allow_outside)
+            else loading.load(fspath(source), (), allow_outside, packages)
         )
     except InvalidFile as error:
         return error.problems

@@ -20,6 +20,7 @@ from somo_cli.problems import (
 
 if TYPE_CHECKING:
     from somo_cli.document.parse import Document
+    from somo_cli.packages import Access
 
 EXIT_CODES = """Exit codes: 0 done; 1 a check found something; 2 wrong usage; 3 the definition,
 scene or recording is at fault; 4 the simulation diverged; 5 a file cannot be read or written, or
@@ -49,6 +50,15 @@ OutsideOption = Annotated[
         "--allow-outside",
         help="Read files that lie outside the folder of the file that names them, too: "
         "definitions, trajectories, meshes and URDFs, by any path.",
+    ),
+]
+PackageOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--package",
+        metavar="NAME=FOLDER",
+        help="Where the files of package://NAME/... and model://NAME/... are, which URDFs name. "
+        "Repeatable.",
     ),
 ]
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No summary on success.")]
@@ -113,6 +123,16 @@ def _common(
     ] = False,
 ) -> None:
     pass
+
+
+def access_of(allow_outside: bool, package: list[str] | None) -> "Access":
+    """Return which files may be read; end with a usage error for a --package of another form."""
+    from somo_cli import packages
+
+    try:
+        return packages.Access(allow_outside, packages.read_packages(package or []))
+    except ValueError as error:
+        raise typer.BadParameter(str(error), param_hint="'--package'") from None
 
 
 def refuse_overwriting(document: "Document", output: str, option: str = "--output") -> None:

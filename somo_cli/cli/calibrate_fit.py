@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from somo_cli import terminal
-from somo_cli.cli.application import EXIT_CODES, OutsideOption, report_errors, require
+from somo_cli.cli.application import (
+    EXIT_CODES,
+    OutsideOption,
+    PackageOption,
+    access_of,
+    report_errors,
+    require,
+)
 from somo_cli.cli.calibrate import JsonOption, PatchOption, WriteOption, calibrate, read_table_file
 from somo_cli.cli.calibrate_result import require_targets, write_result
 
@@ -60,6 +67,7 @@ def fit(
     write: WriteOption = None,
     patch: PatchOption = None,
     allow_outside: OutsideOption = False,
+    package: PackageOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Fit stiffness, damping and actuation gain of a scene to a measured motion, by simulating.
@@ -72,7 +80,7 @@ def fit(
     from somo_cli.document.table import require_columns
 
     whats = _fitted_kinds(parameters)
-    document = loading.load(scene, allow_outside=allow_outside)
+    document = loading.load(scene, (), *access_of(allow_outside, package))
     planned, warnings = loading.scene_of(document)
     terminal.print_problems(warnings, document.texts)
     loading.refuse_overlaps(document, planned)

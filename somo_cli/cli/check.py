@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from somo_cli import files, terminal
-from somo_cli.cli.application import EXIT_CODES, OutsideOption, app, report_errors, require
+from somo_cli.cli.application import (
+    EXIT_CODES,
+    OutsideOption,
+    PackageOption,
+    access_of,
+    app,
+    report_errors,
+    require,
+)
 from somo_cli.problems import (
     InvalidFile,
     Problem,
@@ -20,6 +28,7 @@ if TYPE_CHECKING:
     from somo_cli.arrays import Array
     from somo_cli.document.parse import Document
     from somo_cli.manipulator.kinematics import Pose
+    from somo_cli.packages import Access
     from somo_cli.scene.model import Scene
     from somo_cli.simulation.plan.model import Plan
 
@@ -59,6 +68,7 @@ def check(
         bool, typer.Option("--strict", help="Exit with 1 on warnings, too.")
     ] = False,
     allow_outside: OutsideOption = False,
+    package: PackageOption = None,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print the findings as JSON on standard output.")
     ] = False,
@@ -75,15 +85,16 @@ def check(
     require(trajectory is None or numerics, "--trajectory", "it goes with --numerics")
     require(not plan or len(paths) == 1, "--plan", f"it takes one scene, not {len(paths)}")
     require(not (plan and numerics), "--plan", "it does not go with --numerics")
+    access = access_of(allow_outside, package)
     if plan:
-        _check_plan(paths[0], allow_outside, is_strict, as_json)
+        _check_plan(paths[0], access, is_strict, as_json)
     elif numerics:
-        _check_numerics(paths[0], trajectory, allow_outside, is_strict, as_json)
+        _check_numerics(paths[0], trajectory, access, is_strict, as_json)
     else:
-        _check_files(paths, allow_outside, is_strict, as_json)
+        _check_files(paths, access, is_strict, as_json)
 
 
-def _check_files(paths: Sequence[str], allow_outside: bool, is_strict: bool, as_json: bool) -> None:
+def _check_files(paths: Sequence[str], access: "Access", is_strict: bool, as_json: bool) -> None:
     from somo_cli import loading
 
     found: list[Problem] = []
@@ -91,7 +102,7 @@ def _check_files(paths: Sequence[str], allow_outside: bool, is_strict: bool, as_
     is_unreadable = False
     for path in paths:
         try:
-            document = loading.load(path, allow_outside=allow_outside)
+            document = loading.load(path, (), *access)
         except InvalidFile as error:
             found.extend(error.problems)
             texts.update(error.texts)
@@ -122,10 +133,10 @@ def _scene_of(document: "Document", as_json: bool) -> "tuple[Scene, Sequence[Pro
         raise typer.Exit(1) from error
 
 
-def _check_plan(path: str, allow_outside: bool, is_strict: bool, as_json: bool) -> None:
+def _check_plan(path: str, access: "Access", is_strict: bool, as_json: bool) -> None:
     from somo_cli import loading
 
-    document = loading.load(path, allow_outside=allow_outside)
+    document = loading.load(path, (), *access)
     scene, problems = _scene_of(document, as_json)
     from somo_cli.simulation import plan_report
     from somo_cli.simulation.plan.model import make_plan
@@ -140,11 +151,11 @@ def _check_plan(path: str, allow_outside: bool, is_strict: bool, as_json: bool) 
 
 
 def _check_numerics(
-    path: str, trajectory: str | None, allow_outside: bool, is_strict: bool, as_json: bool
+    path: str, trajectory: str | None, access: "Access", is_strict: bool, as_json: bool
 ) -> None:
     from somo_cli import loading
 
-    document = loading.load(path, allow_outside=allow_outside)
+    document = loading.load(path, (), *access)
     scene, problems = _scene_of(document, as_json)
     from somo_cli.analysis import stability_report
     from somo_cli.analysis.numerics import assess

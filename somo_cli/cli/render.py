@@ -12,8 +12,10 @@ from somo_cli.cli import render_source
 from somo_cli.cli.application import (
     EXIT_CODES,
     OutsideOption,
+    PackageOption,
     QuietOption,
     SetOption,
+    access_of,
     app,
     refuse_overwriting,
     report_errors,
@@ -119,6 +121,7 @@ def render(
     ] = None,
     sets: SetOption = None,
     allow_outside: OutsideOption = False,
+    package: PackageOption = None,
     quiet: QuietOption = False,
 ) -> None:
     """Draw a scene or a recorded run, as a still or a film, without a display.
@@ -126,6 +129,7 @@ def render(
     A scene is simulated up to the time that is shown. A CSV is shown as it was recorded; it needs
     the columns joint_angles, base_pose of what is free, and pose of objects that are free.
     """
+    access = access_of(allow_outside, package)
     written = output or f"{Path(source).stem}{STILL}"
     kind = _kind_of(written)
     timing = Timing(kind != STILL, at, start, until, steps, every, speed)
@@ -137,11 +141,11 @@ def render(
         _require_encoder(timing)
     files.refuse_unwritable(written)
     if is_csv:
-        document, recording = render_source.recorded(source, scene, sets or [], allow_outside)
+        document, recording = render_source.recorded(source, scene, sets or [], access)
         refuse_overwriting(document, written)
         times = timing.frame_times(recording)
     else:
-        document, found = render_source.read_scene(source, sets or [], allow_outside)
+        document, found = render_source.read_scene(source, sets or [], access)
         refuse_overwriting(document, written)
         recording, times = _simulated(document, found, timing)
     drawn = _pictures(recording, times, look)

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from somo_cli.arrays import Array
     from somo_cli.document.parse import Document
     from somo_cli.document.table import Table
+    from somo_cli.packages import Access
     from somo_cli.picture.recorded_motion import RecordedMotion
     from somo_cli.scene.model import Scene
     from somo_cli.simulation.run import RunSummary
@@ -31,11 +32,11 @@ def is_recording(source: str) -> bool:
     return source.lower().endswith(".csv")
 
 
-def read_scene(path: str, sets: Sequence[str], allow_outside: bool) -> tuple[Document, Scene]:
+def read_scene(path: str, sets: Sequence[str], access: Access) -> tuple[Document, Scene]:
     """Read a scene, and say the warnings about it. Raises OSError and InvalidFile."""
     from somo_cli import loading
 
-    document = loading.load(path, sets, allow_outside)
+    document = loading.load(path, sets, *access)
     scene, warnings = loading.scene_of(document)
     terminal.print_problems(warnings, document.texts)
     return document, scene
@@ -70,7 +71,7 @@ def simulated(
 
 
 def recorded(
-    path: str, scene: str | None, sets: Sequence[str], allow_outside: bool
+    path: str, scene: str | None, sets: Sequence[str], access: Access
 ) -> tuple[Document, RecordedMotion]:
     """Read a CSV of `somo run` and the scene that it is of; raise OSError and InvalidFile.
 
@@ -86,7 +87,7 @@ def recorded(
     overrides = [*about.get("overrides", ()), *sets]
     named = scene or os.path.normpath(Path(path).parent / about["scene"])
     try:
-        document, found = read_scene(named, overrides, allow_outside)
+        document, found = read_scene(named, overrides, access)
     except FileNotFoundError as error:
         if scene is not None:
             raise

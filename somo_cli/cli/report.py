@@ -13,8 +13,10 @@ from somo_cli import files, terminal
 from somo_cli.cli.application import (
     EXIT_CODES,
     OutsideOption,
+    PackageOption,
     QuietOption,
     SetOption,
+    access_of,
     app,
     report_errors,
     require,
@@ -76,6 +78,7 @@ def report(
     ] = None,
     sets: SetOption = None,
     allow_outside: OutsideOption = False,
+    package: PackageOption = None,
     quiet: QuietOption = False,
 ) -> None:
     """Measure error against run time, over time steps, integrators and numbers of segments.
@@ -91,7 +94,7 @@ def report(
 
     require(0 < duration <= 1e6, "--duration", f"{duration} is not greater than 0 and at most 1e6")
     require(0 < target < 1, "--target", f"{target} is not between 0 and 1")
-    document = loading.load(scene, sets or [], allow_outside)
+    document = loading.load(scene, sets or [], *access_of(allow_outside, package))
     planned, warnings = loading.scene_of(document)
     terminal.print_problems(warnings, document.texts)
     loading.refuse_overlaps(document, planned)

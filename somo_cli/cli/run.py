@@ -14,8 +14,10 @@ from somo_cli.cli import run_report
 from somo_cli.cli.application import (
     EXIT_CODES,
     OutsideOption,
+    PackageOption,
     QuietOption,
     SetOption,
+    access_of,
     app,
     refuse_overwriting,
     report_errors,
@@ -98,6 +100,7 @@ def run(
     ] = False,
     sets: SetOption = None,
     allow_outside: OutsideOption = False,
+    package: PackageOption = None,
     quiet: QuietOption = False,
 ) -> None:
     """Simulate a scene and stream its trajectory to CSV.
@@ -107,7 +110,7 @@ def run(
     from somo_cli import loading
 
     step = _step(time_step)
-    document = loading.load(scene, sets or [], allow_outside)
+    document = loading.load(scene, sets or [], *access_of(allow_outside, package))
     planned, warnings = loading.scene_of(document, every, step)
     terminal.print_problems(warnings, document.texts)
     if record:

@@ -10,6 +10,7 @@ from typing import Literal
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Link, Shape
 from somo_cli.manipulator.geometry import Matrix, Tensor, Vector
+from somo_cli.manipulator.hull import Hull
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.manipulator.round_solids import Capsule, RoundedBox
 from somo_cli.manipulator.solids import AnySolid, Box, Cylinder, Sphere
@@ -18,6 +19,7 @@ from somo_cli.manipulator.urdf import number
 MAX_SHAPES = 16
 """Seen in PyBullet 3.2.7: createCollisionShapeArray drops what is more, without a word."""
 
+_NEAR = 1e-9  # of the sum of the moments, to which the largest is near their half
 _PRODUCT_TOLERANCE = 1e-12  # of a product of inertia, by the largest moment
 _NO_ROTATION = (0.0, 0.0, 0.0, 1.0)
 
@@ -51,7 +53,14 @@ class Compound:
 
 
 def is_exact_in_urdf(link: Link) -> bool:
-    """Whether the link is one centred box, cylinder or sphere, which a URDF says exactly."""
+    """Whether the link is one centred box, cylinder or sphere, which a URDF says exactly.
+
+    Seen in 3.2.7: of a URDF the engine sets an inertia to zero, which keeps the body from turning,
+    where one moment is more than the sum of the others by as little as rounding.
+    """
+    xx, xy, xz, yy, yz, zz = link.inertial.inertia
+    if xy or xz or yz or 2 * max(xx, yy, zz) > (1 - _NEAR) * (xx + yy + zz):
+        return False
     return (
         len(link.shapes) == 1
         and isinstance(link.shapes[0].solid, Box | Cylinder | Sphere)
@@ -64,19 +73,52 @@ def compound_of(link: Link) -> Compound:
     axes, moments = principal_axes(link.inertial.inertia)
     frame = Pose(link.inertial.centre, axes)
     radii = [one.solid.radius for one in link.shapes if isinstance(one.solid, RoundedBox)]
+    shapes = [part for shape in link.shapes for part in _engine_shapes(shape, frame)]
+    if len(shapes) > MAX_SHAPES:
+        shapes = _with_hulls_in_one(link, frame)
     return Compound(
         frame,
         link.inertial.mass,
         moments,
         # a rounded box is alone in its body, so the margin is for it only
         max(radii, default=0.0),
-        tuple(part for shape in link.shapes for part in _engine_shapes(shape, frame)),
+        tuple(shapes),
     )
 
 
+def _with_hulls_in_one(link: Link, frame: Pose) -> list[EngineShape]:
+    """Return the shapes with all hulls as the named parts of one mesh.
+
+    Seen in 3.2.7: each named part of an OBJ becomes a convex shape, however many there are.
+    """
+    hulls = [shape for shape in link.shapes if isinstance(shape.solid, Hull)]
+    others = [shape for shape in link.shapes if not isinstance(shape.solid, Hull)]
+    lines: list[str] = []
+    start = 0
+    for index, shape in enumerate(hulls):
+        solid = shape.solid
+        assert isinstance(solid, Hull)
+        position, rotation = _place(shape, frame)
+        pose = Pose(position, rotation)
+        points = [pose.point(vertex) for vertex in solid.vertices]
+        lines += [f"o part_{index}", _obj_text(points, solid.faces, start)]
+        start += len(points)
+    parts = [part for shape in others for part in _engine_shapes(shape, frame)]
+    return [*parts, EngineShape("mesh", obj="\n".join(lines))] if hulls else parts
+
+
+def _place(shape: Shape, frame: Pose) -> tuple[Vector, Matrix]:
+    """Return position and rotation of a shape in the principal axes."""
+    inverse = geometry.transposed(frame.rotation)
+    position = geometry.rotate(inverse, geometry.subtract(shape.position, frame.position))
+    return position, geometry.multiply(inverse, geometry.rotation_from_rpy(shape.rpy))
+
+
 def shape_count(solids: Sequence[AnySolid]) -> int:
-    """Return how many shapes of the engine these solids are."""
-    return sum(3 if isinstance(solid, Capsule) else 1 for solid in solids)
+    """Return how many shapes of the engine these solids are; all hulls of many are one."""
+    count = sum(3 if isinstance(solid, Capsule) else 1 for solid in solids)
+    hulls = sum(isinstance(solid, Hull) for solid in solids)
+    return count if count <= MAX_SHAPES else count - max(0, hulls - 1)
 
 
 def principal_axes(tensor: Tensor) -> tuple[Matrix, Vector]:
@@ -94,9 +136,7 @@ def principal_axes(tensor: Tensor) -> tuple[Matrix, Vector]:
 
 
 def _engine_shapes(shape: Shape, frame: Pose) -> list[EngineShape]:
-    inverse = geometry.transposed(frame.rotation)
-    position = geometry.rotate(inverse, geometry.subtract(shape.position, frame.position))
-    rotation = geometry.multiply(inverse, geometry.rotation_from_rpy(shape.rpy))
+    position, rotation = _place(shape, frame)
     turn = geometry.quaternion_from_rotation(rotation)
     solid = shape.solid
     if isinstance(solid, Box):
@@ -129,7 +169,10 @@ _BOX_FACES = (
 )
 
 
-def _obj_text(vertices: Sequence[Sequence[float]], faces: Sequence[tuple[int, int, int]]) -> str:
+def _obj_text(
+    vertices: Sequence[Sequence[float]], faces: Sequence[tuple[int, int, int]], start: int = 0
+) -> str:
     lines = ["v " + " ".join(map(number, vertex)) for vertex in vertices]
-    lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]
+    first = start + 1
+    lines += [f"f {a + first} {b + first} {c + first}" for a, b, c in faces]
     return "\n".join(lines) + "\n"

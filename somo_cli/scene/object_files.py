@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
+from typing import Any
 
 from somo_cli.document.include import include
 from somo_cli.document.parse import Document
@@ -48,3 +50,36 @@ def _urdf(text: str, source: str, naming: Span) -> Document:
     for index, span in enumerate(names.values()):
         spans["meshes", index] = (span, span)
     return Document(source, data, {source: text}, spans)
+
+
+def with_pieces(document: Document, pieces: Callable[[str, str], str | None]) -> Document:
+    """Put the convex pieces beside every mesh of objects that have hulls: decompose.
+
+    `pieces(text, source)` gives them as an OBJ text, None if there are none to be had.
+    """
+    data = document.data
+    objects = data.get("objects") if isinstance(data, Mapping) else None
+    if not isinstance(data, dict) or not isinstance(objects, list):
+        return document
+    if not any(isinstance(one, dict) and one.get("hulls") == "decompose" for one in objects):
+        return document
+
+    def completed(file: Any) -> Any:
+        if isinstance(file, list):
+            return [completed(one) for one in file]
+        if not isinstance(file, dict) or "pieces" in file:
+            return file
+        if "meshes" in file:
+            return {**file, "meshes": completed(file["meshes"])}
+        if not isinstance(file.get("text"), str) or not isinstance(file.get("source"), str):
+            return file
+        found = pieces(file["text"], file["source"])
+        return file if found is None else {**file, "pieces": found}
+
+    changed = [
+        {key: completed(value) if key in ("mesh", "urdf") else value for key, value in one.items()}
+        if isinstance(one, dict) and one.get("hulls") == "decompose"
+        else one
+        for one in objects
+    ]
+    return replace(document, data={**data, "objects": changed})

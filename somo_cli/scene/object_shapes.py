@@ -54,12 +54,15 @@ def solid_from_dimensions(data: Mapping[str, Any]) -> Solid | Capsule | RoundedB
 
 def measured_meshes(data: Mapping[str, Any]) -> list[MeshProperties]:
     """Return what is known of each mesh of an object. Raises MeshError."""
+    return [measured_mesh(data, one) for one in mesh_files(data["mesh"])]
+
+
+def measured_mesh(data: Mapping[str, Any], file: Mapping[str, Any]) -> MeshProperties:
+    """Return what is known of one mesh file of an object. Raises MeshError."""
     from somo_cli.scene.mesh import mesh_properties
 
-    return [
-        mesh_properties(one["text"], one["source"], mesh_axis_factors(data))
-        for one in mesh_files(data["mesh"])
-    ]
+    scale, hulls = mesh_axis_factors(data), data.get("hulls")
+    return mesh_properties(file["text"], file["source"], scale, hulls, file.get("pieces"))
 
 
 def mesh_files(value: Any) -> list[Mapping[str, Any]]:
@@ -76,15 +79,19 @@ def mesh_axis_factors(data: Mapping[str, Any]) -> geometry.Vector:
 def object_urdf_body(data: Mapping[str, Any]) -> UrdfRigidBody:
     """Return what the URDF of an object says, and its faults."""
     from somo_cli.scene import urdf_rigid_body, urdf_xml
+    from somo_cli.scene.mesh import MeshFile
 
     file = data["urdf"]
     names = urdf_xml.mesh_filenames(file["text"], file["source"])
     read = [
-        (one["source"], one["text"]) for one in file.get("meshes", ()) if isinstance(one, Mapping)
+        MeshFile(one["source"], one["text"], one.get("pieces"))
+        for one in file.get("meshes", ())
+        if isinstance(one, Mapping)
     ]
     # each name stands for the file at its place
     meshes = dict(zip(names, read, strict=True)) if len(read) == len(names) else {}
-    return urdf_rigid_body.read_rigid_body(file["text"], file["source"], meshes)
+    text, source = file["text"], file["source"]
+    return urdf_rigid_body.read_rigid_body(text, source, meshes, data.get("hulls"))
 
 
 def placed_shape(
@@ -97,25 +104,28 @@ def placed_shape(
 
 
 def _link_of_meshes(data: Mapping[str, Any]) -> Link:
+    from somo_cli.scene.object_inertia import with_mass
+
     parts = measured_meshes(data)
     solid = [
         one.mesh_inertial or one.hull_inertial for one in parts
     ]  # an open one is fixed, and has no weight
     whole = solids.lumped(tuple(solid))
     mass = _mass(data, whole.mass)
-    factor = mass / whole.mass
-    xx, xy, xz, yy, yz, zz = (factor * value for value in whole.inertia)
-    inertial = Inertial(mass, whole.centre, (xx, xy, xz, yy, yz, zz))
-    return Link("object", inertial, tuple(placed_shape(one.hull) for one in parts))
+    shapes = tuple(placed_shape(hull) for one in parts for hull in one.hulls)
+    return Link("object", with_mass(whole, mass), shapes)
 
 
 def _link_of_urdf(data: Mapping[str, Any]) -> Link:
+    from somo_cli.scene.object_inertia import urdf_inertial
+
     body = object_urdf_body(data)
     shapes = tuple(placed_shape(one.solid, one.position, one.rpy) for one in body.solids)
-    if not body.inertials:  # so it is fixed
+    inertial = urdf_inertial(body, data)
+    if inertial is None:  # so it is fixed
         ball = solids.inertia(solids.Sphere(1.0), PLACEHOLDER_MASS)
-        return Link("object", Inertial(PLACEHOLDER_MASS, geometry.ZERO, ball), shapes)
-    return Link("object", solids.lumped(tuple(body.inertials)), shapes)
+        inertial = Inertial(PLACEHOLDER_MASS, geometry.ZERO, ball)
+    return Link("object", inertial, shapes)
 
 
 def _mass(data: Mapping[str, Any], volume: float) -> float:

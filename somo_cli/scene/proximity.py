@@ -31,6 +31,8 @@ def can_overlap_at_start(scene: Scene) -> bool:
         start = Pose(one.position, geometry.rotation_from_rpy(one.rpy))
         boxes.append((bounding_box(one.compiled.chain, one.initial_angles, start), False))
     for rigid_object in with_heights(scene.objects, scene.ground):
+        if not rigid_object.collides:
+            continue
         start = Pose(rigid_object.position, geometry.rotation_from_rpy(rigid_object.rpy))
         boxes.append(
             (bounding_box(rigid_object.chain, (), start), rigid_object.has_prescribed_pose)

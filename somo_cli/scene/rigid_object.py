@@ -47,6 +47,8 @@ class RigidObject:
     surface: ContactSurface
     motion: PrescribedMotion | None = None
     placement: Placement | None = None
+    collides: bool = True
+    """Whether anything can touch it; if not, it is drawn and recorded only."""
 
     @property
     def has_prescribed_pose(self) -> bool:
@@ -74,5 +76,6 @@ def read_object(data: Mapping[str, Any]) -> RigidObject:
         angular_velocity=geometry.vector(data.get("angular_velocity", (0, 0, 0))),
         surface=read_surface(data),
         motion=read_motion(data["motion"]) if "motion" in data else None,
+        collides=bool(data.get("collides", True)),
         placement=read_placement(data["place"]) if "place" in data else None,
     )

@@ -3,17 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from somo_cli.manipulator import geometry
+from somo_cli.document.validate import MAX_NUMBER
+from somo_cli.manipulator import geometry, solids
 from somo_cli.manipulator.geometry import Vector
-from somo_cli.manipulator.hull import Hull
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.manipulator.round_solids import Capsule
-from somo_cli.manipulator.solids import AnySolid, Box, Cylinder, Inertial, Sphere, placed
+from somo_cli.manipulator.solids import (
+    AnySolid,
+    Box,
+    Cylinder,
+    Inertial,
+    Solid,
+    Sphere,
+    lumped,
+    placed,
+)
 from somo_cli.problems import InvalidFile, Problem, Span
 from somo_cli.scene import mesh, urdf_xml
+from somo_cli.scene.mesh import Hulls, MeshFile, MeshProperties
 from somo_cli.scene.urdf_xml import XmlElement
 
 _SHAPES = ("box", "sphere", "cylinder", "capsule", "mesh")
@@ -29,22 +39,50 @@ class PlacedSolid:
     rpy: Vector
 
 
+@dataclass(frozen=True, slots=True)
+class UrdfLink:
+    """Mass and inertia of one link in the frame of the root link, and the place of the inertia.
+
+    `declared` is what the file says, None if it says nothing or no mass; `filled` is that of the
+    shapes at unit density, parts that overlap counting twice, None if there are none.
+    """
+
+    name: str
+    span: Span
+    declared: Inertial | None
+    filled: Inertial | None
+
+
 @dataclass(slots=True)
 class UrdfRigidBody:
     """What a URDF says of one rigid body, in the frame of its root link, and what is wrong with it.
 
-    `links_without_inertia` has the places of links that have a shape and no inertia.
+    `links_without_inertia` has the places of links that have a shape and no inertia. Shapes are
+    those of collision; where there is none in the file they are visual, and `is_drawn_only`.
+    `meshes` are the places and the properties of the meshes among them.
     """
 
     span: Span
     solids: list[PlacedSolid] = field(default_factory=list)
-    inertials: list[Inertial] = field(default_factory=list)
+    links: list[UrdfLink] = field(default_factory=list)
+    meshes: list[tuple[Span, str, MeshProperties]] = field(default_factory=list)
+    is_drawn_only: bool = False
     links_without_inertia: list[tuple[str, Span]] = field(default_factory=list)
     problems: list[Problem] = field(default_factory=list)
 
+    @property
+    def inertials(self) -> list[Inertial]:
+        """What the file says of mass and inertia of its links, of those that have a mass."""
+        return [one.declared for one in self.links if one.declared is not None]
 
-def read_rigid_body(text: str, source: str, meshes: Mapping[str, tuple[str, str]]) -> UrdfRigidBody:
-    """Return the body of a URDF; `meshes` are source and text of the files that it names."""
+
+def read_rigid_body(
+    text: str,
+    source: str,
+    meshes: Mapping[str, MeshFile],
+    hulls: Hulls | None = None,
+) -> UrdfRigidBody:
+    """Return the body of a URDF; `meshes` are the files that it names, `hulls` as for a mesh."""
     body = UrdfRigidBody(Span(source, 1, 1))
     try:
         root = urdf_xml.parse_xml(text, source)
@@ -57,8 +95,10 @@ def read_rigid_body(text: str, source: str, meshes: Mapping[str, tuple[str, str]
         return body
     links = _elements_by_name(body, root, "link")
     poses = _poses(body, root, links)
+    shape_tag = urdf_xml.shape_tag(root)
+    body.is_drawn_only = shape_tag == "visual"
     for name, pose in poses.items():
-        _add_link(body, links[name], pose, meshes)
+        _add_link(body, links[name], pose, _Shapes(shape_tag, meshes, hulls))
     if not body.problems and not body.solids:
         _report(body, root, "there is no collision shape in it", "nothing could touch it")
     return body
@@ -156,6 +196,10 @@ def _numbers(
     if len(values) != count or not all(math.isfinite(value) for value in values):
         _report(body, element, f"{name} of <{element.tag}> is '{text}'", f"it has {words}")
         return [1.0] * count
+    if max(map(abs, values)) > MAX_NUMBER:
+        hint = f"no number may be larger than {MAX_NUMBER:g}"
+        _report(body, element, f"{name} of <{element.tag}> is '{text}', too large", hint)
+        return [1.0] * count
     return values
 
 
@@ -169,40 +213,53 @@ def _positive_numbers(
     return values
 
 
-def _add_link(
-    body: UrdfRigidBody, link: XmlElement, pose: Pose, meshes: Mapping[str, tuple[str, str]]
-) -> None:
-    inertial, collisions = (
-        link.first_child_with_tag("inertial"),
-        link.children_with_tag("collision"),
-    )
-    if inertial is not None:
-        _add_inertial(body, inertial, pose)
-    elif collisions:
+@dataclass(frozen=True, slots=True)
+class _Shapes:
+    """Which elements are the shapes of links, and how meshes among them are read."""
+
+    tag: str
+    meshes: Mapping[str, MeshFile]
+    hulls: Hulls | None
+
+
+def _add_link(body: UrdfRigidBody, link: XmlElement, pose: Pose, shapes: _Shapes) -> None:
+    inertial = link.first_child_with_tag("inertial")
+    elements = link.children_with_tag(shapes.tag)
+    if inertial is None and elements:
         body.links_without_inertia.append((link.attributes["name"], link.span))
-    for collision in collisions:
-        solid = _solid(body, collision, meshes)
-        place = _composed(pose, _origin(body, collision))
-        if solid is not None:
-            rpy = geometry.rpy_from_rotation(place.rotation)
-            body.solids.append(PlacedSolid(solid, place.position, rpy))
+    fillings: list[Inertial] = []
+    for element in elements:
+        place = _composed(pose, _origin(body, element))
+        rpy = geometry.rpy_from_rotation(place.rotation)
+        found, filling = _solids(body, element, shapes)
+        body.solids += [PlacedSolid(solid, place.position, rpy) for solid in found]
+        if filling is not None:
+            fillings.append(placed(filling, place.position, place.rotation))
+    declared, span = None, link.span
+    if inertial is not None:
+        declared, span = _declared_inertial(body, inertial, pose)
+    filled = lumped(tuple(fillings)) if fillings else None
+    body.links.append(UrdfLink(link.attributes["name"], span, declared, filled))
 
 
-def _add_inertial(body: UrdfRigidBody, element: XmlElement, pose: Pose) -> None:
+def _declared_inertial(
+    body: UrdfRigidBody, element: XmlElement, pose: Pose
+) -> tuple[Inertial | None, Span]:
     mass, inertia = element.first_child_with_tag("mass"), element.first_child_with_tag("inertia")
     if mass is None or inertia is None:
         _report(body, element, f"<inertial> has no <{'mass' if mass is None else 'inertia'}>")
-        return
+        return None, element.span
     (value,) = _numbers(body, mass, "value", 1)
     if value < 0:
         _report(body, mass, f"the mass is {value:g} kg, less than 0")
     xx, xy, xz, yy, yz, zz = (
         _numbers(body, inertia, name, 1, _default_inertia(name))[0] for name in _INERTIA_ATTRIBUTES
     )
-    if value > 0:
-        place = _composed(pose, _origin(body, element))
-        own = Inertial(value, geometry.ZERO, (xx, xy, xz, yy, yz, zz))
-        body.inertials.append(placed(own, place.position, place.rotation))
+    if not value > 0:
+        return None, inertia.span
+    place = _composed(pose, _origin(body, element))
+    own = Inertial(value, geometry.ZERO, (xx, xy, xz, yy, yz, zz))
+    return placed(own, place.position, place.rotation), inertia.span
 
 
 def _default_inertia(name: str) -> str | None:
@@ -210,18 +267,28 @@ def _default_inertia(name: str) -> str | None:
     return None if name in ("ixx", "iyy", "izz") else "0"
 
 
-def _solid(
-    body: UrdfRigidBody, collision: XmlElement, meshes: Mapping[str, tuple[str, str]]
-) -> AnySolid | None:
-    shape = collision.first_child_with_tag("geometry")
+def _solids(
+    body: UrdfRigidBody, owner: XmlElement, shapes: _Shapes
+) -> tuple[Sequence[AnySolid], Inertial | None]:
+    """Return the solids of a collision or a visual, and what fills them at unit density."""
+    shape = owner.first_child_with_tag("geometry")
     element = next(iter(shape.children), None) if shape else None
     if element is None:
-        _report(body, collision, "this collision has no geometry")
-        return None
+        _report(body, owner, f"this {owner.tag} has no geometry")
+        return (), None
+    if element.tag == "mesh":
+        found = _mesh(body, element, shapes)
+        return (found.hulls, found.mesh_inertial or found.hull_inertial) if found else ((), None)
+    solid = _primitive(body, element)
+    if solid is None:
+        return (), None
+    volume = solids.volume(solid)
+    return (solid,), Inertial(volume, geometry.ZERO, solids.inertia(solid, volume))
+
+
+def _primitive(body: UrdfRigidBody, element: XmlElement) -> Solid | Capsule | None:
     if element.tag == "box":
         return Box(geometry.vector(_positive_numbers(body, element, "size", 3)))
-    if element.tag == "mesh":
-        return _hull(body, element, meshes)
     if element.tag not in _SHAPES:
         _report(body, element, f"unknown shape <{element.tag}>", f"shapes: {', '.join(_SHAPES)}")
         return None
@@ -232,9 +299,7 @@ def _solid(
     return Cylinder(length, radius) if element.tag == "cylinder" else Capsule(length, radius)
 
 
-def _hull(
-    body: UrdfRigidBody, element: XmlElement, meshes: Mapping[str, tuple[str, str]]
-) -> Hull | None:
+def _mesh(body: UrdfRigidBody, element: XmlElement, shapes: _Shapes) -> MeshProperties | None:
     name = element.attributes.get("filename", "")
     scale = geometry.vector(_numbers(body, element, "scale", 3, "1 1 1"))
     if not name:
@@ -243,13 +308,15 @@ def _hull(
     if 0 in scale:
         _report(body, element, f"scale of <mesh> is '{element.attributes['scale']}'", "none is 0")
         return None
-    if name not in meshes:
+    if name not in shapes.meshes:
         # only of a URDF in place: where a file names one that cannot be read, that is told
         _report(body, element, f"mesh '{name}' is not given", "meshes has one file for each name")
         return None
-    source, text = meshes[name]
+    file = shapes.meshes[name]
     try:
-        return mesh.mesh_properties(text, source, scale).hull
+        found = mesh.mesh_properties(file.text, file.source, scale, shapes.hulls, file.pieces)
     except mesh.MeshError as error:
         _report(body, element, f"mesh '{name}': {error}", error.hint)
         return None
+    body.meshes.append((element.span, name, found))
+    return found

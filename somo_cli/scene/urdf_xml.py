@@ -80,8 +80,13 @@ def parse_xml(text: str, source: str) -> XmlElement:
     return roots[0]
 
 
+def shape_tag(root: XmlElement) -> str:
+    """Return which elements are the shapes of a URDF: collision, or visual if there is none."""
+    return "collision" if any(one.tag == "collision" for one in root.walk()) else "visual"
+
+
 def mesh_filenames(text: str, source: str) -> Mapping[str, Span]:
-    """Return the files that the collision meshes of a URDF name, each once, and where.
+    """Return the files that the meshes among the shapes of a URDF name, each once, and where.
 
     Of a text that is no XML there are none.
     """
@@ -90,8 +95,9 @@ def mesh_filenames(text: str, source: str) -> Mapping[str, Span]:
     except InvalidFile:
         return {}
     names: dict[str, Span] = {}
-    for collision in (one for one in root.walk() if one.tag == "collision"):
-        for mesh in (one for one in collision.walk() if one.tag == "mesh"):
+    tag = shape_tag(root)
+    for shape in (one for one in root.walk() if one.tag == tag):
+        for mesh in (one for one in shape.walk() if one.tag == "mesh"):
             name = mesh.attributes.get("filename", "")
             if name:
                 names.setdefault(name, mesh.span)

@@ -38,6 +38,7 @@ def explain(plan: Plan) -> tuple[Decision, ...]:
     return (
         *_shape_decisions(plan),
         *_contact_decisions(plan),
+        *_marker_decisions(plan),
         *_joint_decisions(plan),
         *_engine_decisions(plan),
         *_state_decisions(plan),
@@ -106,6 +107,12 @@ def _contact_decisions(plan: Plan) -> Iterator[Decision]:
         yield Decision(what, True, "a surface has anisotropic_friction")
     else:
         yield Decision(what, False, "no anisotropic_friction", "a look at contact in every step")
+
+
+def _marker_decisions(plan: Plan) -> Iterator[Decision]:
+    markers = [one.rigid_object.name for one in plan.objects if not one.rigid_object.collides]
+    if markers:
+        yield Decision("collisions of markers", False, f"collides is false of {', '.join(markers)}")
 
 
 def _joint_decisions(plan: Plan) -> Iterator[Decision]:

@@ -18,6 +18,7 @@ KNOWS: dict[str, set[str]] = {
     "problems": set(),
     "arrays": set(),
     "files": {"", "problems"},
+    "packages": {"", "problems", "files"},
     "terminal": {"", "problems"},
     "document": {"", "problems"},
     "manipulator": {"", "problems", "document"},
@@ -34,7 +35,8 @@ KNOWS: dict[str, set[str]] = {
     "analysis": _RUN | {"document"},
     "calibration": _RUN | {"document", "analysis"},
     "picture": _RUN | {"simulation.engine.bullet", "analysis"},
-    "loading": _RUN | {"document", "scene.checks", "simulation.engine.bullet", "analysis", "files"},
+    "loading": _RUN
+    | {"document", "scene.checks", "simulation.engine.bullet", "analysis", "files", "packages"},
     "api": _RUN
     | {"document", "scene.checks", "simulation.engine.bullet", "analysis", "files", "loading"},
     "cli": _RUN
@@ -48,6 +50,7 @@ KNOWS: dict[str, set[str]] = {
         "picture",
         "terminal",
         "files",
+        "packages",
         "loading",
     },
     "__main__": {"cli"},
@@ -64,6 +67,7 @@ HOMES: dict[str, tuple[str, ...]] = {
         "api.",
         "arrays",
         "scene.mesh",
+        "scene.closed_surface",
         "scene.compound",
         "simulation.",
         "analysis.",
@@ -76,7 +80,7 @@ HOMES: dict[str, tuple[str, ...]] = {
     "referencing": ("document.validate",),
     "rich": ("terminal",),
     "scipy": ("analysis.", "calibration."),
-    "trimesh": ("scene.mesh",),
+    "trimesh": ("scene.mesh", "scene.closed_surface"),
     "typer": ("cli.",),
     "xml": ("manipulator.urdf", "scene.urdf_xml"),
     "yaml": ("document.parse",),

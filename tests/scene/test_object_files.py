@@ -9,14 +9,15 @@ from pathlib import Path
 import pytest
 
 from somo_cli.document.parse import Document
-from somo_cli.loading import load, scene_of
+from somo_cli.loading import check, load, scene_of
+from somo_cli.packages import read_packages
 from somo_cli.problems import InvalidFile
 from tests.conftest import Somo
 from tests.manipulator.bodies import X, actuator, manipulator
 from tests.scene.test_mesh import BOX, binary_stl, obj
 
 URDF = """<robot name="r"><link name="a">
-  <inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>
+  <inertial><mass value="1"/><inertia ixx="2e-4" iyy="3e-4" izz="4e-4"/></inertial>
   <collision><geometry><mesh filename="../meshes/box.stl"/></geometry></collision>
   <collision><geometry><mesh filename="../meshes/box.obj"/></geometry></collision>
   <collision><geometry><mesh filename="../meshes/box.stl"/></geometry></collision>
@@ -142,3 +143,27 @@ def test_a_mesh_is_not_written_over(folder: Path, somo: Somo) -> None:
     ended = somo(*command, cwd=folder / "in")
     assert ended.returncode == 2
     assert (folder / "in/meshes/box.obj").read_text() == obj(BOX)
+
+
+def test_files_of_a_package_are_found_where_it_is(folder: Path) -> None:
+    text = URDF.replace("../meshes/box.obj", "package://thing/meshes/box.obj")
+    assert "package://" in text
+    for scheme in ("package", "model"):
+        (folder / "in/urdf/r.urdf").write_text(text.replace("package://", f"{scheme}://"))
+        (folder / "out/meshes").mkdir(exist_ok=True)
+        (folder / "out/meshes/box.obj").write_text(obj(BOX))
+        scene = str(folder / "in/scene.json")
+        with pytest.raises(InvalidFile) as caught:
+            load(scene, ())
+        assert any("say --package thing=FOLDER" in one.message for one in caught.value.problems)
+        document = load(scene, packages={"thing": str(folder / "out")})
+        assert check(document) == ()
+        with pytest.raises(InvalidFile):
+            load(scene, packages={"other": str(folder / "out")})
+
+
+def test_what_is_no_package() -> None:
+    with pytest.raises(ValueError, match="is not NAME=FOLDER"):
+        read_packages(["thing"])
+    with pytest.raises(ValueError, match="there is no folder 'nowhere'"):
+        read_packages(["thing=nowhere"])

@@ -10,6 +10,7 @@ from somo_cli.manipulator import solids
 from somo_cli.manipulator.round_solids import Capsule
 from somo_cli.manipulator.solids import Box, Cylinder, Sphere
 from somo_cli.scene import urdf_rigid_body, urdf_xml
+from somo_cli.scene.mesh import MeshFile
 from tests.manipulator.bodies import Data
 from tests.scene.test_mesh import BOX, obj
 from tests.scene.test_rigid_object import told as scene_told
@@ -39,7 +40,7 @@ def told(*parts: str) -> list[str]:
     text = robot(*parts)
     names = urdf_xml.mesh_filenames(text, "r.urdf")
     body = urdf_rigid_body.read_rigid_body(
-        text, "r.urdf", {name: (name, obj(BOX)) for name in names}
+        text, "r.urdf", {name: MeshFile(name, obj(BOX)) for name in names}
     )
     return [f"{one.span.line}: {one.message}" for one in body.problems]
 
@@ -98,7 +99,7 @@ def test_a_mesh_may_be_mirrored() -> None:
     text = robot(link("a", '<mesh filename="m.obj" scale="-1 1 2"/>'))
     assert list(urdf_xml.mesh_filenames(text, "r.urdf")) == ["m.obj"]
     (found,) = urdf_rigid_body.read_rigid_body(
-        text, "r.urdf", {"m.obj": ("m.obj", obj(BOX))}
+        text, "r.urdf", {"m.obj": MeshFile("m.obj", obj(BOX))}
     ).solids
     assert solids.height(found.solid) == pytest.approx(0.04)
 
@@ -142,7 +143,8 @@ def test_what_is_wrong(parts: list[str], message: str) -> None:
 
 
 def test_a_mesh_that_is_not_given() -> None:
-    text = robot(link("a", '<mesh filename="m.obj"/>'))
+    small = '<inertial><mass value="1"/><inertia ixx="3e-4" iyy="3e-4" izz="4e-4"/></inertial>'
+    text = robot(link("a", '<mesh filename="m.obj"/>', small))
     (problem,) = urdf_rigid_body.read_rigid_body(text, "r.urdf", {}).problems
     assert problem.message == "mesh 'm.obj' is not given"
     data: Data = {"name": "u", "shape_type": "urdf"}

@@ -6,10 +6,8 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from somo_cli.document.parse import Document
-from somo_cli.manipulator import solids
-from somo_cli.manipulator.hull import Hull
-from somo_cli.problems import Pointer, Problem, Span
-from somo_cli.scene import compound, object_shapes
+from somo_cli.problems import Pointer, Problem
+from somo_cli.scene.checks.meshes import mesh_problems
 
 _DIMENSION_COUNTS = {"box": 3, "cylinder": 2, "sphere": 1, "capsule": 2}
 _DIMENSION_FORMS = {
@@ -24,13 +22,10 @@ _SHAPES_BY_KEY = {
     "mesh": ("mesh",),
     "mesh_scale": ("mesh",),
     "urdf": ("urdf",),
-    "mass": (*_DIMENSION_COUNTS, "mesh"),
-    "density": (*_DIMENSION_COUNTS, "mesh"),
+    "hulls": ("mesh", "urdf"),
+    "inertia": ("urdf",),
 }
 """Each key that says a shape, and the shapes that it is for."""
-
-_MAX_HULL_SURPLUS = 0.05  # of the volume, that a hull adds
-_MAX_PLAUSIBLE_SIZE = 10.0  # m
 
 
 def object_shape_problems(
@@ -39,8 +34,7 @@ def object_shape_problems(
     """Yield the faults of shape and mass of the object `data` at `at`."""
     problems = list(_other_shape_key_problems(document, at, data))
     yield from problems
-    if data["shape_type"] != "urdf":
-        yield from _mass_problems(document, at, data)
+    yield from _mass_problems(document, at, data)
     if problems:
         return
     if data["shape_type"] in _DIMENSION_COUNTS:
@@ -50,9 +44,11 @@ def object_shape_problems(
         message, hint = f"shape_type {shape} needs a key '{shape}'", "the path of a file"
         yield Problem(document.span((*at, "shape_type")), message, hint)
     elif data["shape_type"] == "mesh":
-        yield from _mesh_problems(document, at, data)
+        yield from mesh_problems(document, at, data, is_free(data))
     else:
-        yield from _urdf_problems(document, at, data)
+        from somo_cli.scene.checks.urdf_objects import urdf_problems  # what reads meshes is slow
+
+        yield from urdf_problems(document, at, data, is_free(data))
 
 
 def is_free(data: Mapping[str, Any]) -> bool:
@@ -69,7 +65,7 @@ def _other_shape_key_problems(
             yield Problem(
                 document.span((*at, key), key=True),
                 f"{key} is for shape_type {', '.join(shapes)}, this one is {shape}",
-                "the masses are in the file" if key in ("mass", "density") else "leave it out",
+                "leave it out",
             )
 
 
@@ -77,6 +73,8 @@ def _mass_problems(document: Document, at: Pointer, data: Mapping[str, Any]) -> 
     if "mass" in data and "density" in data:
         message = "mass and density are two ways to say the same"
         yield Problem(document.span((*at, "density"), key=True), message, "keep one of them")
+    elif data["shape_type"] == "urdf":
+        return
     elif is_free(data) and "mass" not in data and "density" not in data:
         message, hint = "a free object needs a mass", "add mass or density, or set fixed: true"
         yield Problem(document.span(at, key=True), message, hint)
@@ -106,68 +104,3 @@ def _dimension_problems(
             f"{data['edge_radius']:g} m is not less than half the shortest edge, {half:g} m",
             "give it a smaller radius, or take a sphere or a capsule",
         )
-
-
-def _mesh_problems(document: Document, at: Pointer, data: Mapping[str, Any]) -> Iterator[Problem]:
-    from somo_cli.scene.mesh import MeshError, mesh_properties
-
-    files = object_shapes.mesh_files(data["mesh"])
-    for index, file in enumerate(files):
-        place = (*at, "mesh", index) if isinstance(data["mesh"], list) else (*at, "mesh")
-        span = document.span(place)
-        try:
-            found = mesh_properties(
-                file["text"], file["source"], object_shapes.mesh_axis_factors(data)
-            )
-        except MeshError as error:
-            yield Problem(span, f"'{file['source']}': {error}", error.hint)
-            continue
-        if found.mesh_inertial is None:
-            if is_free(data):
-                yield Problem(span, f"'{file['source']}': {found.fault}", found.hint)
-            continue
-        surplus = found.hull_inertial.mass / found.mesh_inertial.mass - 1
-        if surplus > _MAX_HULL_SURPLUS:
-            yield Problem(
-                span,
-                f"'{file['source']}' is touched as its convex hull, which has "
-                f"{100 * surplus:.0f} % more volume",
-                "give a list of convex parts",
-                "warning",
-            )
-        yield from _size_warnings(span, file["source"], found.hull)
-
-
-def _size_warnings(span: Span, source: str, hull: Hull) -> Iterator[Problem]:
-    x, y, z = (max(axis) - min(axis) for axis in zip(*hull.vertices, strict=True))
-    if max(x, y, z) > _MAX_PLAUSIBLE_SIZE:
-        message = f"'{source}' is {max(x, y, z):.3g} m long"
-        hint = "if its lengths are millimetres: mesh_scale: 0.001"
-        yield Problem(span, message, hint, "warning")
-
-
-def _urdf_problems(document: Document, at: Pointer, data: Mapping[str, Any]) -> Iterator[Problem]:
-    body = object_shapes.object_urdf_body(data)
-    yield from body.problems
-    if body.problems:
-        return
-    count = compound.shape_count([one.solid for one in body.solids])
-    if count > compound.MAX_SHAPES:
-        message = f"it has {count} shapes, a capsule counting as three, and the engine takes "
-        yield Problem(body.span, f"{message}{compound.MAX_SHAPES}", "leave some out")
-    if not is_free(data):
-        return
-    for name, span in body.links_without_inertia:
-        message = f"link '{name}' has a shape and no inertia"
-        yield Problem(span, message, "give it <inertial>, or the object fixed: true")
-    if body.links_without_inertia:
-        return
-    if not body.inertials:
-        message = "no link has a mass"
-        yield Problem(body.span, message, "give one <inertial>, or the object fixed: true")
-        return
-    _, moments = compound.principal_axes(solids.lumped(tuple(body.inertials)).inertia)
-    if not min(moments) > 0:
-        message = f"the moments of inertia of the whole are {moments[0]:.3g}, {moments[1]:.3g} and "
-        hint = "all three are greater than 0"
-        yield Problem(body.span, f"{message}{moments[2]:.3g} kg·m²", hint)

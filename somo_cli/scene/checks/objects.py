@@ -78,7 +78,9 @@ def _object_problems(document: Document, at: Pointer, data: Mapping[str, Any]) -
 def _ground_problems(
     document: Document, at: Pointer, data: Mapping[str, Any], ground: Any
 ) -> Iterator[Problem]:
-    if ground is None or data.get("fixed", False) or not _KEYS_SETTING_HEIGHT.isdisjoint(data):
+    if ground is None or not data.get("collides", True):
+        return
+    if data.get("fixed", False) or not _KEYS_SETTING_HEIGHT.isdisjoint(data):
         return  # what is held may stand in the ground, with which it cannot collide
     one = read_object(data)
     pose = Pose(one.position, geometry.rotation_from_rpy(one.rpy))

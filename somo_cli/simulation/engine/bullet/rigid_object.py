@@ -8,9 +8,11 @@ from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Matrix, Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import EngineRefused
+from somo_cli.simulation.engine.bullet import collision_filter
 from somo_cli.simulation.engine.bullet import compound as bullet_compound
 from somo_cli.simulation.engine.bullet.body import UNLIMITED_RATE
 from somo_cli.simulation.engine.bullet.contact_parameters import surface_settings
+from somo_cli.simulation.engine.bullet.object_readback import object_mismatches
 from somo_cli.simulation.plan.model import PlannedObject
 
 
@@ -45,10 +47,12 @@ class BulletObject:
             **surface_settings(self._object.surface),
             physicsClientId=client,
         )
-        mass = bullet.getDynamicsInfo(self.index, -1, client)[0]
-        wanted = self._object.chain.links[0].inertial.mass
-        if not self._object.has_prescribed_pose and abs(mass - wanted) > 1e-9 * wanted:
-            raise EngineRefused(self._object.name, f"its mass is {mass:g} in the engine")
+        if not self._object.collides:
+            collision_filter.disable_collisions(bullet, client, self.index, [-1])
+        if not self._object.has_prescribed_pose:
+            mismatches = object_mismatches(bullet, client, self.index, planned)
+            if mismatches:
+                raise EngineRefused(self._object.name, "; ".join(mismatches))
         self.reset()
 
     def reset(self, linear_velocity: Vector | None = None) -> None:

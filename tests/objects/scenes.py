@@ -1,0 +1,38 @@
+"""Scenes of objects as they are found, whose files lie in `inputs/`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from somo_cli.arrays import Array
+from somo_cli.loading import load, scene_of
+from somo_cli.problems import InvalidFile, Problem
+from somo_cli.scene.model import Scene
+from somo_cli.simulation.plan.model import make_plan
+from tests.loading import rows_of
+
+INPUTS = Path(__file__).parent / "inputs"
+
+
+def scene(name: str, *sets: str) -> Scene:
+    """Return the scene of a file of `inputs/`."""
+    return scene_of(load(str(INPUTS / name), sets))[0]
+
+
+def problems(name: str, *sets: str) -> tuple[Problem, ...]:
+    """Return what is said of a file of `inputs/`, as a command would say it."""
+    try:
+        return scene_of(load(str(INPUTS / name), sets))[1]
+    except InvalidFile as error:
+        return tuple(error.problems)
+
+
+def columns(found: Scene, steps: int) -> dict[str, Array]:
+    """Simulate and return every column by its name."""
+    plan = make_plan(found)
+    from somo_cli.scene.columns import header
+
+    rows = np.array(rows_of(plan, steps))
+    return dict(zip(header(plan.recorded), rows.T, strict=True))
