@@ -19,7 +19,7 @@ ifneq ($(PYTHON),$(shell cat $(READY) 2>/dev/null))
 endif
 endif
 
-.PHONY: all help sync demo test test-all check format map golden bench truth contact objects extreme studies build clean
+.PHONY: all help sync demo test test-fast test-all check format map golden bench truth contact objects extreme studies build clean
 .DELETE_ON_ERROR:
 
 all: help
@@ -46,8 +46,14 @@ demo: sync ## compile the finger, simulate it for 2000 steps, show where its tip
 	  { row = ""; for (j = 1; j <= n; j++) row = row sprintf("  %20s", $$shown[j]) } \
 	  NR <= 2 { print row } END { print row }' build/finger.csv
 
+# as many processes as there are cores, unless PROCESSES says otherwise
+PROCESSES ?= auto
+
 test: sync ## run the tests
-	$(RUN) pytest -n auto --maxprocesses 8
+	$(RUN) pytest -n $(PROCESSES) --maxprocesses 8
+
+test-fast: sync ## run the tests that take little, in about a minute; every module is touched
+	$(RUN) pytest -q -n $(PROCESSES) --maxprocesses 8 -m "not slow and not moderate and not bench"
 
 test-all: ## run the tests, but for the slow ones, on every Python from 3.10 to 3.13 that is found
 	@for version in $(VERSIONS); do \
@@ -63,9 +69,10 @@ test-all: ## run the tests, but for the slow ones, on every Python from 3.10 to 
 	if [ -z "$$tested" ]; then echo "no Python was found to test on" >&2; exit 1; fi; \
 	if [ -n "$$failed" ]; then echo "the tests failed on:$$failed" >&2; exit 1; fi
 
-check: sync ## lint, formatting, types
+check: sync ## lint, formatting, cognitive complexity, types
 	$(RUN) ruff check
 	$(RUN) ruff format --check
+	$(VENV)/bin/complexipy somo_cli --max-complexity-allowed 15 --failed --plain
 	$(RUN) mypy
 
 format: sync ## format, and mend what the linter can mend
@@ -112,5 +119,5 @@ build: sync ## make sdist and wheel in dist/, and use the wheel in an empty envi
 	.ci/try-wheel $(VENV)/bin/python dist/*.whl
 
 clean: ## remove everything that make made
-	rm -rf .venv .venv-3.* build dist .mypy_cache .pytest_cache .ruff_cache
+	rm -rf .venv .venv-3.* build dist .complexipy_cache .mypy_cache .pytest_cache .ruff_cache
 	find somo_cli tests -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -26,6 +26,7 @@ def test_no_room_imports_one_above_it_and_none_a_circle() -> None:
     assert (against, circles(found)) == (set(), [])
 
 
+@pytest.mark.moderate
 def test_the_map_counts_circles() -> None:
     found = dict(rooms())
     found["problems"] = found["problems"]._replace(knows={"document": 1})

@@ -63,6 +63,7 @@ def tree(folder: Path) -> dict[Path, bytes]:
     return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("name", documents("invalid"))
 def test_an_invalid_document(
     name: str, call: Call, copy: Path, monkeypatch: pytest.MonkeyPatch, rewrite_golden: bool
@@ -119,6 +120,7 @@ def test_a_document_with_warnings(
         assert built == (0, "", checked.err)
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize(
     "name",
     [

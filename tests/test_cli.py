@@ -77,6 +77,7 @@ def test_every_help_tells_the_exit_codes(somo: Somo, command: tuple[str, ...]) -
         assert code in " ".join(ended.stdout.split())
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
@@ -116,6 +117,7 @@ def test_no_command_at_all_shows_the_help(somo: Somo) -> None:
     assert "Commands:" in ended.stdout + ended.stderr
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize(
     "arguments",
     [
@@ -168,6 +170,7 @@ def test_check_goes_on_after_a_missing_file(somo: Somo, here: Path) -> None:
     ]
 
 
+@pytest.mark.moderate
 def test_check_as_json(somo: Somo, here: Path) -> None:
     (here / "wrong.yaml").write_text("manipulators:\n  - definition: smallest.yaml\n    nam: ü\n")
     ended = somo("check", "--json", "wrong.yaml", "smallest.yaml")
@@ -206,6 +209,7 @@ def test_build_takes_the_name_in_the_document(somo: Somo, here: Path) -> None:
     assert names(here) - before == {"planar.urdf"}
 
 
+@pytest.mark.moderate
 def test_build_to_standard_output_is_the_file(somo: Somo, here: Path) -> None:
     before = names(here)
     piped = somo("build", "smallest.yaml", "-o", "-")
@@ -216,6 +220,7 @@ def test_build_to_standard_output_is_the_file(somo: Somo, here: Path) -> None:
     assert piped.stdout.endswith("</robot>\n")
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize(
     ("arguments", "about"),
     [
@@ -240,6 +245,7 @@ def test_a_file_that_cannot_be_read_or_written(
     assert names(here) == before
 
 
+@pytest.mark.moderate
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
 def test_a_full_disk(somo: Somo, here: Path) -> None:
     for arguments in (("build", "smallest.yaml"), ("run", "bent.yaml", "--steps", "5000")):
@@ -267,6 +273,7 @@ def test_output_is_whole_or_not_there_at_all(here: Path, environment: dict[str, 
     assert names(here) == before
 
 
+@pytest.mark.moderate
 def test_a_wrong_definition_leaves_the_old_output(somo: Somo, here: Path) -> None:
     (here / "wrong.yaml").write_text("manipulator_name: 3\n")
     (here / "x.urdf").write_text("old")
@@ -288,6 +295,7 @@ def test_a_scene_is_not_built(somo: Somo, here: Path) -> None:
     )
 
 
+@pytest.mark.moderate
 def test_values_can_be_set(somo: Somo, here: Path) -> None:
     ended = somo(
         "build",
@@ -308,6 +316,7 @@ def test_values_can_be_set(somo: Somo, here: Path) -> None:
     assert ended.stdout.count("<link ") == whole.count("<link ") + 2
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize(
     ("assignment", "said"),
     [
@@ -358,6 +367,7 @@ def test_a_value_that_cannot_be_set(somo: Somo, here: Path, assignment: str, sai
     assert names(here) == before
 
 
+@pytest.mark.moderate
 def test_scale_takes_the_place_of_that_in_the_file(somo: Somo, here: Path) -> None:
     by_file = somo("build", "smallest.yaml", "--set", "world_scale=20", "-o", "-").stdout
     by_option = somo("build", "smallest.yaml", "--scale", "20", "-o", "-").stdout
@@ -367,6 +377,7 @@ def test_scale_takes_the_place_of_that_in_the_file(somo: Somo, here: Path) -> No
     assert somo("build", "smallest.yaml", "-o", "-").stdout != by_file
 
 
+@pytest.mark.moderate
 def test_a_tip_frame_is_one_more_link(somo: Somo, here: Path) -> None:
     without = somo("build", "smallest.yaml", "-o", "-").stdout
     ended = somo("build", "smallest.yaml", "--tip-frame", "hand", "-o", "-")
@@ -386,6 +397,7 @@ def without_engine(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     return {"PYTHONPATH": f"{folder}{os.pathsep}{Path(somo_cli.__file__).parents[1]}"}
 
 
+@pytest.mark.moderate
 def test_without_the_engine_only_a_run_is_refused(
     somo: Somo, here: Path, without_engine: dict[str, str]
 ) -> None:
@@ -405,6 +417,7 @@ def test_without_the_engine_only_a_run_is_refused(
 # --- run
 
 
+@pytest.mark.moderate
 def test_a_run_writes_rows_and_what_they_are_about(somo: Somo, here: Path) -> None:
     before = names(here)
     ended = somo("run", "bent.yaml", "--steps", "20", "--set", "record={every: 5}")
@@ -434,12 +447,14 @@ def test_every_and_time_step_take_the_place_of_those_in_the_scene(somo: Somo, he
     assert json.loads((here / "bent.meta.json").read_text())["time_step_s"] == 0.002
 
 
+@pytest.mark.moderate
 def test_a_definition_runs_by_itself(somo: Somo, here: Path) -> None:
     assert somo("run", "smallest.yaml", "--steps", "3").returncode == 0
     assert somo("run", "scene_smallest.yaml", "--steps", "3").returncode == 0
     assert (here / "smallest.csv").read_bytes() == (here / "scene_smallest.csv").read_bytes()
 
 
+@pytest.mark.moderate
 def test_a_start_outside_the_limits_is_shown_in_the_definition(somo: Somo, here: Path) -> None:
     text = (here / "smallest.yaml").read_text().replace("[-1, 1, 1, 1]", "[0.5, 1, 1, 1]")
     (here / "off.yaml").write_text(text)
@@ -452,6 +467,7 @@ def test_a_start_outside_the_limits_is_shown_in_the_definition(somo: Somo, here:
     )
 
 
+@pytest.mark.moderate
 def test_a_scene_with_everything_runs(somo: Somo, here: Path) -> None:
     ended = somo("run", "scene_everything.yaml", "--steps", "20", "-q")
     assert (ended.returncode, ended.stdout, ended.stderr) == (0, "", "")
@@ -460,6 +476,7 @@ def test_a_scene_with_everything_runs(somo: Somo, here: Path) -> None:
     assert {name.partition(".")[0] for name in rows} == {"time_s", "left", "right", "last"}
 
 
+@pytest.mark.moderate
 def test_rows_to_standard_output_are_the_file(somo: Somo, here: Path) -> None:
     before = names(here)
     piped = somo("run", "bent.yaml", "--steps", "50", "-q", "-o", "-")
@@ -492,6 +509,7 @@ def start(here: Path, environment: dict[str, str]) -> Start:
     return started
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize(
     "arguments", [("run", "bent.yaml", "--steps", "10000000"), ("build", "most_joints.yaml")]
 )
@@ -507,6 +525,7 @@ def test_a_reader_that_has_seen_enough_ends_it_quietly(
         assert process.wait(timeout=30) == 0
 
 
+@pytest.mark.moderate
 def test_an_interrupted_run_keeps_its_rows(start: Start, here: Path) -> None:
     unfinished = here / "x.csv.partial"
     with start("run", "bent.yaml", "--steps", "100000000", "-o", "x.csv") as process:
@@ -585,6 +604,7 @@ def comma_locale(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     return environment
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize(
     "other",
     [
@@ -601,12 +621,14 @@ def test_another_process_makes_the_same_bytes(
     assert made(somo, here, env=other) == made(somo, here, env={"PYTHONHASHSEED": "0"})
 
 
+@pytest.mark.moderate
 def test_another_folder_makes_the_same_bytes(somo: Somo, here: Path) -> None:
     deeper = here / "deeper folder"
     shutil.copytree(here, deeper, ignore=shutil.ignore_patterns("deeper*"))
     assert made(somo, deeper, cwd=deeper) == made(somo, here)
 
 
+@pytest.mark.moderate
 def test_a_locale_with_commas_makes_the_same_bytes(
     somo: Somo, here: Path, comma_locale: dict[str, str]
 ) -> None:
@@ -616,6 +638,7 @@ def test_a_locale_with_commas_makes_the_same_bytes(
 # --- examples
 
 
+@pytest.mark.moderate
 def test_examples_are_copied_and_check(somo: Somo, tmp_path: Path) -> None:
     ended = somo("examples", "copies")
     paths = ended.stdout.split()

@@ -38,6 +38,7 @@ def here(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.moderate
 def test_build(somo: Somo, here: Path) -> None:
     limb = "limbs[1].definition.actuator_definitions[0].n_segments=2"
     done = somo("build", here / "pair.yaml", "--verify", "--tip-frame", "tip", "--set", limb)
@@ -62,6 +63,7 @@ def test_a_tip_frame_that_a_link_is_called(somo: Somo, here: Path) -> None:
     assert not (here / "pair.urdf").exists()
 
 
+@pytest.mark.moderate
 def test_run(somo: Somo, here: Path) -> None:
     done = somo("run", here / "pair_scene.yaml", "--steps", "20", "-o", "-", "--quiet")
     assert (done.returncode, done.stderr) == (0, "")
@@ -73,11 +75,13 @@ def test_run(somo: Somo, here: Path) -> None:
     assert again.stdout == done.stdout
 
 
+@pytest.mark.moderate
 def test_run_an_assembly_by_itself(somo: Somo, here: Path) -> None:
     done = somo("run", here / "pair.yaml", "--steps", "5", "-o", "-", "--quiet")
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.moderate
 def test_check_numerics(somo: Somo, here: Path) -> None:
     done = somo("check", "--numerics", "--json", here / "pair_scene.yaml")
     assert (done.returncode, done.stderr) == (0, "")
@@ -97,6 +101,7 @@ def test_report_with_other_numbers_of_segments(somo: Somo, here: Path) -> None:
     assert {row["segments"] for row in rows} == {"10", "4"}
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize(
     ("command", "what_is"),
     [
@@ -118,6 +123,7 @@ def test_calibrations_are_about_one_manipulator(
     )
 
 
+@pytest.mark.moderate
 def test_a_closed_form_is_about_one_manipulator(somo: Somo, here: Path) -> None:
     (here / "named.yaml").write_text(SCENE + "reference: end_moment\n", "utf-8")
     done = somo("report", here / "named.yaml", "--duration", "0.05")
@@ -125,6 +131,7 @@ def test_a_closed_form_is_about_one_manipulator(somo: Somo, here: Path) -> None:
     assert "it is about a manipulator by itself, not an assembly" in done.stderr
 
 
+@pytest.mark.moderate
 def test_a_finding_is_about_the_part_of_the_limb(somo: Somo, here: Path) -> None:
     text = (here / "finger.yaml").read_text("utf-8")
     assert text.count("[0.015]") == 1

@@ -21,6 +21,7 @@ def here(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.moderate
 def test_a_run_says_what_it_leaves_out_and_keeps_it_beside_its_result(
     somo: Somo, here: Path
 ) -> None:
@@ -37,6 +38,7 @@ def test_a_run_says_what_it_leaves_out_and_keeps_it_beside_its_result(
     assert "motor rows of joints: no dry friction; saves 10 rows in every step" in ended.stderr
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("scene", ["scene.yaml", "press_scene.yaml"])
 def test_keeping_everything_changes_no_byte(somo: Somo, here: Path, scene: str) -> None:
     command = ("run", scene, "--steps", "40", "-o", "-", "-q")
@@ -44,6 +46,7 @@ def test_keeping_everything_changes_no_byte(somo: Somo, here: Path, scene: str) 
     assert lean.stdout == whole.stdout
 
 
+@pytest.mark.moderate
 def test_what_is_kept_when_asked_for_is_told_as_kept(somo: Somo, here: Path) -> None:
     command = ("run", "scene.yaml", "--steps", "1", "--explain", "--keep-everything", "-q")
     ended = somo(*command, cwd=here)
@@ -57,6 +60,7 @@ def test_what_is_kept_when_asked_for_is_told_as_kept(somo: Somo, here: Path) -> 
     } in told
 
 
+@pytest.mark.moderate
 def test_check_prints_the_plan(somo: Somo, here: Path) -> None:
     ended = somo("check", "press_scene.yaml", "--plan", cwd=here)
     assert (ended.returncode, ended.stderr) == (0, "")

@@ -29,6 +29,7 @@ def table(path: Path) -> tuple[list[str], np.ndarray]:
     return header.split(","), np.array([line.split(",") for line in lines], dtype=float)
 
 
+@pytest.mark.moderate
 def test_a_condition_ends_the_run_and_says_so(somo: Somo, here: Path) -> None:
     assert somo(*PUSH, "-q", "-o", "whole.csv").returncode == 0
     ended = somo(*PUSH, "-o", "stopped.csv", "--set", LEAVES)
@@ -52,12 +53,14 @@ def test_a_condition_ends_the_run_and_says_so(somo: Somo, here: Path) -> None:
     assert json.loads((here / "whole.meta.json").read_text("utf-8"))["stopped_by"] is None
 
 
+@pytest.mark.moderate
 def test_quiet_is_quiet_about_the_end(somo: Somo, here: Path) -> None:
     ended = somo(*PUSH, "-q", "--set", "stop=[{time: 0.01}]")
     assert (ended.returncode, ended.stdout, ended.stderr) == (0, "", "")
     assert len(table(here / "push_scene.csv")[1]) == 2
 
 
+@pytest.mark.moderate
 def test_the_error_is_that_of_the_run_up_to_its_end(somo: Somo, here: Path) -> None:
     # the last row is not one of every tenth
     options = ("--error", "--record", "finger.tip.*", "--record", "cube.pose.q[xw]")
@@ -70,6 +73,7 @@ def test_the_error_is_that_of_the_run_up_to_its_end(somo: Somo, here: Path) -> N
     assert 0 < error["columns"]["finger.tip.y_m"]["max"] < 1e-3
 
 
+@pytest.mark.moderate
 def test_columns_by_pattern(somo: Somo, here: Path) -> None:
     assert somo("run", "finger.yaml", "--steps", "3", "--record", "*.tip.z_m").returncode == 0
     assert table(here / "finger.csv")[0] == ["time_s", "finger.tip.z_m"]
@@ -78,6 +82,7 @@ def test_columns_by_pattern(somo: Somo, here: Path) -> None:
     assert "no column matches 'finger.tip.w_m'; did you mean 'finger.tip." in ended.stderr
 
 
+@pytest.mark.moderate
 def test_events_beside_the_rows(somo: Somo, here: Path) -> None:
     ended = somo(*PUSH, "--events", "touches.csv", "-o", "rows.csv")
     assert ended.returncode == 0
@@ -95,6 +100,7 @@ def test_events_beside_the_rows(somo: Somo, here: Path) -> None:
     assert (here / "push_scene.events.csv").read_text("utf-8") == piped.stdout
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("option", [("--events", "e.csv"), ("--record", "*.contact.*")])
 def test_the_ground_is_not_told_from_an_object_of_its_name(
     somo: Somo, here: Path, option: tuple[str, str]
@@ -106,6 +112,7 @@ def test_the_ground_is_not_told_from_an_object_of_its_name(
     assert "the scene calls something ground" in " ".join(ended.stderr.split())
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize(
     ("options", "message"),
     [
@@ -125,6 +132,7 @@ def test_events_that_have_no_place(
     assert not list(here.glob("*.csv"))
 
 
+@pytest.mark.moderate
 def test_both_files_stay_partial_when_a_run_fails(somo: Somo, here: Path) -> None:
     ended = somo(
         *PUSH, "--events", "e.csv", "-o", "r.csv",
@@ -136,6 +144,7 @@ def test_both_files_stay_partial_when_a_run_fails(somo: Somo, here: Path) -> Non
         assert f"somo: the rows so far are in {name}.partial" in ended.stderr.splitlines()
 
 
+@pytest.mark.moderate
 def test_a_report_goes_to_the_end_of_its_own_time(somo: Somo, here: Path) -> None:
     options = ("--time-steps", "0.002,0.004", "--duration", "0.1", "--integrators", "implicit")
     told = []

@@ -34,6 +34,7 @@ def left(folder: Path) -> set[str]:
     return {path.name for path in folder.iterdir()} - {"definitions"}
 
 
+@pytest.mark.moderate
 def test_a_scene_is_drawn_as_it_starts_unless_told_when(somo: Somo, here: Path) -> None:
     ended = somo("render", "definitions/lift_scene.yaml", *SMALL)
     assert (ended.returncode, ended.stdout) == (0, "")
@@ -87,6 +88,7 @@ def test_what_overrode_the_scene_of_a_recording_overrides_it_again(somo: Somo, h
     assert (here / "red.png").read_bytes() != (here / "csv.png").read_bytes()
 
 
+@pytest.mark.moderate
 def test_a_scene_that_has_changed_since_is_told(somo: Somo, here: Path) -> None:
     somo("run", "definitions/scene.yaml", "--steps", "20", "-q", "-o", "rows.csv")
     finger = here / "definitions/finger.yaml"
@@ -99,6 +101,7 @@ def test_a_scene_that_has_changed_since_is_told(somo: Somo, here: Path) -> None:
     assert "scene.yaml" not in ended.stderr
 
 
+@pytest.mark.moderate
 def test_columns_that_are_missing_are_told_and_how_to_have_them(somo: Somo, here: Path) -> None:
     run = ("run", "definitions/turn_scene.yaml", "--steps", "40", "--every", "10", "-q")
     somo(*run, "-o", "rows.csv")
@@ -139,6 +142,7 @@ def test_a_recording_whose_scene_nobody_knows(somo: Somo, here: Path) -> None:
     assert (ended.returncode, ended.stderr.startswith(message)) == (3, True)
 
 
+@pytest.mark.moderate
 def test_a_recording_that_cannot_be_read(somo: Somo, here: Path) -> None:
     somo("run", "definitions/scene.yaml", "--steps", "20", "-q", "-o", "rows.csv")
     rows = here / "rows.csv"
@@ -164,6 +168,7 @@ WRONG = {
 }
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize(
     ("option", "given"), [(option, one) for option, own in WRONG.items() for one in own]
 )
@@ -185,6 +190,7 @@ def fake_encoder(here: Path, environment: dict[str, str]) -> dict[str, str]:
     return {"PYTHONPATH": os.pathsep.join([str(here / "fake"), environment["PYTHONPATH"]])}
 
 
+@pytest.mark.moderate
 def test_a_time_beyond_the_end_is_wrong_usage(somo: Somo, here: Path) -> None:
     somo("run", "definitions/scene.yaml", "--steps", "20", "-q", "-o", "rows.csv")
     ended = somo("render", "rows.csv", "--at", "3", *SMALL)
@@ -197,6 +203,7 @@ def test_a_time_beyond_the_end_is_wrong_usage(somo: Somo, here: Path) -> None:
     assert said in ended.stderr
 
 
+@pytest.mark.moderate
 def test_an_output_that_cannot_be_written_is_told_before_the_work(somo: Somo, here: Path) -> None:
     started = time.monotonic()
     ended = somo("render", "definitions/hand_scene.yaml", "--at", "1000", "-o", "none/a.png")
@@ -208,6 +215,7 @@ def test_an_output_that_cannot_be_written_is_told_before_the_work(somo: Somo, he
     assert (ended.returncode, "is what is read" in ended.stderr) == (2, True)
 
 
+@pytest.mark.moderate
 def test_a_film_without_an_encoder_says_what_to_install(
     somo: Somo, here: Path, environment: dict[str, str]
 ) -> None:

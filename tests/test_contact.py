@@ -36,6 +36,7 @@ def converged(name: str) -> float:
     return trial(named(name), FINE, EXPLICIT).figure
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("step", [2e-3, 1e-3, 5e-4])
 def test_blocked_force_is_that_of_the_closed_form(step: float) -> None:
     scene = scene_from_file("finger.yaml")
@@ -48,6 +49,7 @@ def test_blocked_force_is_that_of_the_closed_form(step: float) -> None:
     assert found == pytest.approx(trial(blocked(), FINE, EXPLICIT).figure, rel=1e-9)
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("step", [2e-3, 1e-3])
 def test_two_fingers_hold_a_cube(step: float) -> None:
     table, _ = recorded(named("cube of 10 g, 2 fingers"), step)
@@ -80,6 +82,7 @@ def test_the_snake_gets_as_far_at_any_step() -> None:
         assert trial(case, step).figure == pytest.approx(fine, rel=0.1), step
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize(("step", "most"), [(4e-3, 1e-2), (2e-3, 4e-3), (1e-3, 1e-4), (5e-4, 1e-9)])
 @pytest.mark.parametrize("name", ["finger sinks to the ground", "finger dropped"])
 def test_contact_gives_no_energy(name: str, step: float, most: float) -> None:
@@ -147,6 +150,7 @@ def written(folder: Path, torque: float) -> Path:
     return path
 
 
+@pytest.mark.moderate
 def test_a_run_says_where_contact_was_not_followed(somo: Somo, tmp_path: Path) -> None:
     done = somo("run", written(tmp_path, 0.1), "--steps", "40", "--time-step", "6e-3", "--quiet")
     assert done.returncode == 0
@@ -162,6 +166,7 @@ def test_a_run_that_contact_throws_off_stops(somo: Somo, tmp_path: Path) -> None
     assert "try half the step, --time-step 0.01" in done.stderr
 
 
+@pytest.mark.moderate
 def test_a_run_that_follows_contact_says_nothing(somo: Somo, tmp_path: Path) -> None:
     done = somo("run", written(tmp_path, 0.1), "--steps", "100", "--time-step", "2e-3", "--quiet")
     assert (done.returncode, done.stderr) == (0, "")

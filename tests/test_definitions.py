@@ -126,6 +126,7 @@ def test_arm_and_snake_are_soft_silicone(
         assert joint.stiffness == pytest.approx(0.5e6 * second_moment / joint.span, rel=1e-4)
 
 
+@pytest.mark.moderate
 def test_nothing_to_complain_about(somo: Somo) -> None:
     done = somo("check", *FILES, *sorted((FOLDER / "trajectories").glob("*.yaml")))
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
@@ -162,6 +163,7 @@ def first_chain_in(scene: str) -> Chain:
     return chain_of(found[1])
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("scene", SCENES)
 def test_every_scene_moves_and_stays_in_bounds(somo: Somo, scene: str, tmp_path: Path) -> None:
     table = recorded(somo, scene, 2000, tmp_path)

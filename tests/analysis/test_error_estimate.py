@@ -31,6 +31,7 @@ def test_the_estimate_of_a_hinge_is_its_error(integrator: str, step: float) -> N
     assert found.errors[0].maximum == pytest.approx(true, rel=0.15)
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("step", [4e-3, 2e-3, 1e-3])
 def test_the_estimate_of_a_whipped_finger_is_its_error_within_two(step: float) -> None:
     """Against another simulator, every joint."""

@@ -33,6 +33,7 @@ def codes(known: NumericsReport) -> dict[str, str]:
     return {finding.code: finding.severity for finding in known.findings}
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize(
     "name",
     [
@@ -49,6 +50,7 @@ def test_shipped_scenes_are_fit_to_run(name: str) -> None:
     assert set(found.values()) <= {"info"}
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize(
     ("sets", "code", "severity", "advice"),
     [

@@ -18,6 +18,7 @@ pytest.importorskip("pybullet")
 SCENE = DEFINITIONS / "scene.yaml"
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("name", ["scene.yaml", "pinch_scene.yaml", "finger.yaml"])
 def test_the_csv_is_that_of_the_command(
     tmp_path: Path, environment: dict[str, str], name: str

@@ -19,6 +19,7 @@ SCENES = ["scene", "push_scene", "crawler_scene", "pinch_scene", "tumble_scene"]
 CUTS = [0, 1, 2, 9, 16, 30, 31, 64, 200, 201]  # steps at which pieces of the run end
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("name", SCENES)
 def test_the_trajectory_is_that_of_a_run_in_whatever_pieces(name: str) -> None:
     document = somo.load(DEFINITIONS / f"{name}.yaml")

@@ -37,6 +37,7 @@ def assert_exact(found: RingDown, ratio: float, rel: float = 1e-9) -> None:
     assert found.decay == pytest.approx(ratio * FREQUENCY, rel=rel)
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("ratio", [0.001, 0.02, 0.2, 0.6, 0.7])
 @pytest.mark.parametrize("periods", [1.5, 4.0, 30.0, 200.0])
 @pytest.mark.parametrize("phase", [0.0, 1.0, 2.5, 4.5])  # where in the swing the record starts

@@ -133,6 +133,7 @@ def check_urdf() -> str | None:
     return shutil.which("check_urdf")
 
 
+@pytest.mark.moderate
 @pytest.mark.skipif(check_urdf() is None, reason="check_urdf (cmeel-urdfdom) is not installed")
 @pytest.mark.parametrize("tip_frame", [None, "tip"])
 def test_check_urdf_has_nothing_to_say(name: str, tip_frame: str | None, tmp_path: Path) -> None:

@@ -42,6 +42,7 @@ def study(segments: tuple[int | None, ...] = (None,), model: ErrorSummary | None
     return Study(question, scene_from_file("scene.yaml"), cuts, tuple(cases), name, error)
 
 
+@pytest.mark.moderate
 def test_the_same_study_gives_the_same_bytes_whatever_the_style() -> None:
     first = draw(study(), "finger")
     with matplotlib.rc_context({"figure.facecolor": "black", "lines.linewidth": 9}):
@@ -61,6 +62,7 @@ def test_curves_steps_and_lines_are_labelled() -> None:
     assert "explicit" not in written
 
 
+@pytest.mark.moderate
 def test_segments_and_the_error_of_the_chain_are_told() -> None:
     model = ErrorSummary(1e-4, 1e-4, 1e-4)
     written = texts(draw(study((5, 10), model), "finger")["svg"])

@@ -118,6 +118,7 @@ def test_a_file_that_is_too_large(folder: Path) -> None:
     ]
 
 
+@pytest.mark.moderate
 def test_every_file_that_was_read_is_hashed(folder: Path, somo: Somo) -> None:
     pytest.importorskip("pybullet")
     ended = somo("run", "scene.json", "--steps", "2", "-q", cwd=folder / "in")
@@ -129,6 +130,7 @@ def test_every_file_that_was_read_is_hashed(folder: Path, somo: Somo) -> None:
         assert hashes["sha256"] == hashlib.sha256(content).hexdigest()
 
 
+@pytest.mark.moderate
 def test_the_command_allows_what_lies_outside(folder: Path, somo: Somo) -> None:
     path = folder / "in/scene.json"
     path.write_text(path.read_text().replace("meshes/box.stl", "../out/box.obj"))
@@ -138,6 +140,7 @@ def test_the_command_allows_what_lies_outside(folder: Path, somo: Somo) -> None:
     assert somo("run", "in/scene.json", "--steps", "0", cwd=folder).returncode == 3
 
 
+@pytest.mark.moderate
 def test_a_mesh_is_not_written_over(folder: Path, somo: Somo) -> None:
     command = ("run", "scene.json", "--steps", "0", "-o", "meshes/box.obj")
     ended = somo(*command, cwd=folder / "in")

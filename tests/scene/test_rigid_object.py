@@ -73,6 +73,7 @@ def test_friction_stops_a_cube(step: float) -> None:
     assert cube["fz_n"][-1] == pytest.approx(0.01 * G, rel=1e-6)
 
 
+@pytest.mark.moderate
 def test_a_stack_stays() -> None:
     stack = [{**CUBE, "name": f"cube_{n}", "position": [0, 0, 0.02 + 0.04 * n]} for n in range(4)]
     found = run(scene_of(*stack, ground={}), 2.0)

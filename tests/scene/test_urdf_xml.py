@@ -51,6 +51,7 @@ def test_what_is_no_xml(text: str, line: int, message: str) -> None:
     assert urdf_xml.mesh_filenames(text, "r.urdf") == {}
 
 
+@pytest.mark.moderate
 def test_what_is_too_much() -> None:
     deep = "<a>" * 60 + "</a>" * 60
     assert refusal(deep)[1] == "more than 100000 elements, or 50 in one another"

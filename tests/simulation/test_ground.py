@@ -60,6 +60,7 @@ def test_the_ground_carries_the_weight(step: float, integrator: str) -> None:
     assert found["fz"][0] == 0
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("stiffness", [10.0, 1e5])
 @pytest.mark.parametrize("step", [2e-3, 5e-4])
 @pytest.mark.parametrize(("own", "grounds"), [(0.2, 1.0), (0.5, 1.0), (0.5, 0.4)])

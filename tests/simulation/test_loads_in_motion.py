@@ -90,6 +90,7 @@ def errors_of_finger(base: str, step: float, integrator: str) -> tuple[float, fl
     return float(away[:, :10].max()), float(away[:, 10:].max(initial=0.0))
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize(("integrator", "order"), [("implicit", 2), ("euler", 1)])
 def test_a_loaded_finger_moves_as_in_another_simulator(integrator: str, order: int) -> None:
     errors = [errors_of_finger("static", step, integrator)[0] for step in (2e-3, 1e-3, 5e-4)]
@@ -98,6 +99,7 @@ def test_a_loaded_finger_moves_as_in_another_simulator(integrator: str, order: i
     assert math.log2(errors[0] / errors[2]) / 2 == pytest.approx(order, abs=0.45), errors
 
 
+@pytest.mark.moderate
 def test_a_finger_that_is_pushed_through_space_moves_as_in_another_simulator() -> None:
     angle, place = np.transpose(
         [errors_of_finger("free", step, "implicit") for step in (2e-3, 1e-3, 5e-4)]
@@ -136,6 +138,7 @@ def stray_of_centre(step: float, integrator: str) -> float:
     return float(np.linalg.norm(moved - exact)) / plan.scale.length
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize(
     ("integrator", "steps", "order"),
     [("implicit", (2e-3, 5e-4), 2), ("euler", (2e-3, 5e-4), 1), ("explicit", (5e-5, 2.5e-5), 1)],
@@ -165,6 +168,7 @@ def test_a_pull_along_the_body_accelerates_it_as_a_whole(integrator: str) -> Non
     assert heights == pytest.approx(0.6 / 0.3 * times * (times + late) / 2, abs=1e-12)
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("integrator", ["implicit", "euler"])
 @pytest.mark.parametrize("frame", ["world", "body"])
 @pytest.mark.parametrize("base", ["static", "free"])

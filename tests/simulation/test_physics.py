@@ -142,6 +142,7 @@ def error_of_finger(reference: np.ndarray, time_step: float, integrator: str = "
     return float(np.abs(rows[1:, 1:] - reference).max())
 
 
+@pytest.mark.moderate
 def test_the_finger_moves_as_in_another_simulator(reference: np.ndarray) -> None:
     errors = [error_of_finger(reference, step) for step in (2e-3, 1e-3, 5e-4)]
     assert errors[1] < 5e-4
@@ -187,6 +188,7 @@ def test_a_stiff_finger_settles_on_its_equilibrium(integrator: str, factor: floa
     assert angles == pytest.approx(equilibrium(scene), abs=1e-12 + 1e-10 * np.abs(angles).max())
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("step", [2e-2, 5e-3, 2e-3])
 @pytest.mark.parametrize("ratio", [0.1, 0.2, 2.0])
 def test_a_heavily_damped_chain_comes_to_rest(step: float, ratio: float) -> None:
@@ -390,6 +392,7 @@ def test_what_is_recorded_does_not_change_what_happens(base: str) -> None:
     assert np.array_equal(runs[0][::7, :11], runs[1])
 
 
+@pytest.mark.moderate
 def test_a_hanging_finger_moves_as_in_another_simulator() -> None:
     """With gravity taken for that of an upright base, a step of 2 ms was enough to diverge."""
     rpy = (2.5, 0.3, 0.7)
@@ -412,6 +415,7 @@ def test_a_hanging_finger_moves_as_in_another_simulator() -> None:
     assert math.log2(errors[0] / errors[2]) / 2 == pytest.approx(2, abs=0.2), errors
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("integrator", ["implicit", "euler"])
 @pytest.mark.parametrize("step", [5e-3, 2e-2])
 def test_a_heavy_hanging_arm_is_stable_at_large_steps(integrator: str, step: float) -> None:
@@ -440,6 +444,7 @@ def error_of_throw(step: float) -> tuple[float, float]:
     return float(difference[:, :10].max()), float(difference[:, 10:].max())
 
 
+@pytest.mark.moderate
 def test_a_thrown_finger_moves_as_in_another_simulator() -> None:
     angle, place = np.array([error_of_throw(step) for step in (2e-3, 1e-3, 5e-4)]).T
     assert angle[1] < 1e-4, angle

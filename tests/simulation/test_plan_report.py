@@ -171,6 +171,7 @@ def bits(plan: Plan, steps: int) -> list[list[str]]:
     return [[value.hex() for value in row] for row in rows_of(plan, steps)]
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("name", SCENES)
 def test_leaving_out_changes_no_byte(name: str) -> None:
     """Without motor rows and with them: what is left out in pairs cannot make up for itself."""

@@ -50,6 +50,7 @@ def plan_of(columns: Iterable[str] = ("joint_angles",), every: int = 1, **more: 
     return plan_of_hinges(record={"every": every, "columns": list(columns)}, **more)
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("columns", [["joint_angles"], ["joint_rates"]])
 @pytest.mark.parametrize("every", [1, 3, 7, 10, 64])

@@ -21,6 +21,7 @@ def test_small_torques_follow_the_line_and_large_ones_press_harder(one: Finger) 
     assert one.equilibrium(full) / one.line(full) == pytest.approx(1.031, abs=1e-3)
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize(("scale", "step"), [(20, 1e-3), (10, 1e-3), (40, 1e-3), (20, 2e-3)])
 def test_force_is_that_of_the_equilibrium(one: Finger, scale: int, step: float) -> None:
     run = press(f"world_scale={scale}", time_step=step)

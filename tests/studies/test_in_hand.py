@@ -26,6 +26,7 @@ def on_pads(found: dict[str, float]) -> float:
     return sum(found[f"cube.contact.pad_{number}.normal_n"] for number in (1, 2, 3, 4))
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize(
     ("scale", "step"), [(20, 1e-3), (20, 2e-3), (20, 5e-4), (10, 1e-3), (40, 1e-3)]
 )
@@ -37,6 +38,7 @@ def test_the_grip_is_the_same_at_any_step_and_scale(scale: int, step: float) -> 
     assert found["cube.contact.finger_1.normal_n"] == found["cube.contact.palm.normal_n"] == 0
 
 
+@pytest.mark.moderate
 def test_fingers_that_press_slide_down_the_cube() -> None:
     """Friction is fully used before the cube turns at all."""
     found = grip()
@@ -49,6 +51,7 @@ def test_fingers_that_press_slide_down_the_cube() -> None:
     assert on_pads(found) == pytest.approx(0.01 * 9.81 - 2 * down, rel=1e-3)
 
 
+@pytest.mark.moderate
 def test_the_cube_turns_as_far_whatever_the_step_and_the_scale() -> None:
     changes = ((), 2e-3), ((), 4e-3), (moved(x=1e-6), 4e-3), (("world_scale=10",), 4e-3)
     runs = turns([Setting(SCENE, PREFIX + 2, sets, step) for sets, step in changes], processes=1)
@@ -79,6 +82,7 @@ def test_on_a_flat_palm_a_micrometre_decides_how_far() -> None:
     assert PREFIX < when < 5
 
 
+@pytest.mark.moderate
 def test_the_same_run_gives_the_same_bytes() -> None:
     first, second = (recorded(Setting(SCENE, PREFIX + 1, (), 2e-3)) for _ in range(2))
     assert first.columns.keys() == second.columns.keys()

@@ -96,6 +96,7 @@ def test_without_an_engine_nothing_is_said(monkeypatch: pytest.MonkeyPatch) -> N
     assert told(PALM, CUBE) == []
 
 
+@pytest.mark.moderate
 def test_the_command_line_says_it_with_its_place(somo: Somo, tmp_path: Path) -> None:
     path = tmp_path / "scene.yaml"
     path.write_text(

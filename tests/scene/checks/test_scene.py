@@ -261,6 +261,7 @@ def test_all_faults_come_at_once_and_in_reading_order() -> None:
     ]
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("value", [None, 3, "text", [], {}, [1], [[1]], [None], True])
 @pytest.mark.parametrize(
     "place",

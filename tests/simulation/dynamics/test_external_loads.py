@@ -105,6 +105,7 @@ def at_rest(scene: Scene, time: float = 8.0) -> np.ndarray:
     return np.array(rows_of(dataclasses.replace(scene, every=steps), steps))[-1, 1:]
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize(
     ("force", "step", "integrator"),
     [
@@ -122,6 +123,7 @@ def test_a_cantilever_rests_where_springs_and_load_balance(
     assert at_rest(scene, 10) == pytest.approx(exact, abs=1e-9)
 
 
+@pytest.mark.moderate
 def test_a_small_load_meets_the_stiffness_of_the_tip() -> None:
     """The deflection of a beam of ten joints at the middles of its tenths: P sum(arm² / k)."""
     scene = dataclasses.replace(cantilever({"force": [1e-4, 0, 0]}), columns=("tip_position",))
@@ -130,6 +132,7 @@ def test_a_small_load_meets_the_stiffness_of_the_tip() -> None:
     assert deflection == pytest.approx(1e-4 * (arms**2 / 10).sum(), rel=1e-7)
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("frame", ["world", "body"])
 def test_an_end_moment_bends_every_joint_alike(frame: str) -> None:
     scene = cantilever({"moment": [0, 3, 0], "frame": frame})
@@ -178,6 +181,7 @@ def test_a_follower_force_on_a_hinge_is_a_constant_torque() -> None:
     assert np.log2(errors[:-1] / np.array(errors[1:])) == pytest.approx(2, abs=0.1)
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("integrator", ["implicit", "euler", "explicit"])
 @pytest.mark.parametrize("frame", ["world", "body"])
 def test_every_integrator_brings_a_hinge_to_rest(frame: Frame, integrator: str) -> None:

@@ -195,6 +195,7 @@ def amplification(x: float, y: float) -> np.ndarray:
 SIZES = [0.0, *np.logspace(-4, 12, 65)]
 
 
+@pytest.mark.moderate
 def test_no_mode_grows_however_stiff_or_damped() -> None:
     for x in SIZES:
         for y in SIZES:

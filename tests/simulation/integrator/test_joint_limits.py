@@ -66,6 +66,7 @@ STRUCK = (
 )
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("base", ["static", "free"])
 @pytest.mark.parametrize("integrator", ["implicit", "euler"])
 @pytest.mark.parametrize("step", [1e-3, 1e-2])

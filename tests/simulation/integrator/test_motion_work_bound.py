@@ -41,6 +41,7 @@ MOTIONS: dict[str, Data] = {
 }
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("name", MOTIONS)
 @pytest.mark.parametrize("step", [1e-3, 4e-3])
 def test_a_lively_motion_is_no_divergence(name: str, step: float) -> None:

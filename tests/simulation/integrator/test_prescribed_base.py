@@ -70,6 +70,7 @@ def test_the_base_is_where_its_path_says(step: float, interpolation: str) -> Non
         assert turn * np.sign(np.dot(turn, expected)) == pytest.approx(expected, abs=1e-12)
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("name", MOTIONS)
 def test_the_joints_feel_it_as_in_mujoco(name: str) -> None:
     pytest.importorskip("mujoco")
@@ -135,6 +136,7 @@ def test_where_rows_fall_changes_nothing_when_the_base_comes_to_rest(
         assert rows(every) == every_step[::every]
 
 
+@pytest.mark.moderate
 def test_a_carousel_bends_a_hinge_as_far_as_theory_says() -> None:
     radius, spin = 0.2, 4.0
     swing = hinge(0, 1, 0, spring_stiffness=1e-3, spring_damping=1e-4)

@@ -35,6 +35,7 @@ def narrow(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(divergence, "MAX_ENERGY_RATIO", divergence.MAX_ENERGY_RATIO / 2)
 
 
+@pytest.mark.moderate
 @pytest.mark.usefixtures("narrow")
 @pytest.mark.parametrize("integrator", ["implicit", "euler"])
 @pytest.mark.parametrize("name", SCENES)
@@ -43,6 +44,7 @@ def test_no_alarm_in_the_scenes_we_ship(name: str, integrator: str) -> None:
     simulated(scene, 1200)
 
 
+@pytest.mark.moderate
 @pytest.mark.usefixtures("narrow")
 @pytest.mark.parametrize("integrator", ["implicit", "euler"])
 @pytest.mark.parametrize("time_step", [1e-3, 4e-3])
@@ -75,6 +77,7 @@ def test_no_alarm_for_an_undamped_finger() -> None:
     simulated(scene_from_file("scene.yaml", *undamped, "manipulators[0].initial_angles=0.1"), 3000)
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("integrator", ["implicit", "euler", "explicit"])
 def test_no_alarm_in_free_fall(integrator: str) -> None:
     """Three seconds, 44 m: the base's energy is many times what the springs can hold."""
@@ -263,6 +266,7 @@ def test_small_motion_is_never_called_divergence() -> None:
 PULSE = "interpolation: step, waypoints: [[0, 0], [{}, {}], [{}, 0]]"
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("every", [1, 1000])
 @pytest.mark.parametrize("start", [0.0, 0.0005, 0.0015, 0.0025, 0.0065])
 @pytest.mark.parametrize(

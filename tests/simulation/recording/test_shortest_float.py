@@ -50,6 +50,7 @@ def sets_of_numbers() -> dict[str, np.ndarray]:
     }
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("name", sets_of_numbers())
 def test_any_numbers(name: str) -> None:
     assert_as_repr(sets_of_numbers()[name])

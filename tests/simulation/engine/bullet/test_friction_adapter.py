@@ -30,6 +30,7 @@ def test_equal_factors_are_plain_friction() -> None:
     assert last_row(with_cubes(cube), 5e-4, 0.4)["cube.pose.x_m"] == pytest.approx(plain, rel=0.015)
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize(("degrees", "slides"), [(20, False), (30, True)])
 def test_on_a_slope_it_stays_below_the_angle_of_friction(degrees: int, slides: bool) -> None:
     angle = math.radians(degrees)

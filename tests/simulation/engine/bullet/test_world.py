@@ -141,6 +141,7 @@ def _make_locale(path: Path) -> None:
         subprocess.run(command, capture_output=True, check=False)
 
 
+@pytest.mark.moderate
 @pytest.mark.usefixtures("comma")
 def test_a_decimal_comma_changes_nothing() -> None:
     own = locale.setlocale(locale.LC_NUMERIC)
