@@ -13,6 +13,7 @@ The rooms of the code, each of which knows only those before it (`make map` draw
 - `problems`: what is wrong with a file, and the errors a user can put right.
 - `arrays`: array types, and an inverse for small matrices.
 - `files`: reads and writes files, whole or not at all.
+- `packages`: folders that `package://` paths name.
 - `terminal`: everything that is printed on standard error.
 - `document/`: a file as it was written, each value with its line and column.
 - `manipulator/`: what a definition means, its chain of links, its URDF.
@@ -40,7 +41,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 if TYPE_CHECKING:
     from somo_cli.api.documents import build as build

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import ast
+
 import pytest
 
-from tests.architecture.imports import SOURCES, loaded_with
+from tests.architecture.imports import PACKAGE, SOURCES, loaded_with
 from tests.architecture.law import HEAVY, KNOWS, breaches
-from tests.architecture.map import circles, drawn, rooms
+from tests.architecture.map import against, circles, drawn, rooms
 
 
 @pytest.mark.parametrize("module", sorted(SOURCES))
@@ -15,23 +17,30 @@ def test_every_module_keeps_the_law(module: str) -> None:
 
 
 def test_no_room_imports_one_above_it_and_none_a_circle() -> None:
-    found = rooms()
-    order = list(KNOWS)
-    against = {
-        (room, other)
-        for room, one in found.items()
-        for other in one.knows
-        if order.index(other) > order.index(room)
-    }
-    assert (against, circles(found)) == (set(), [])
+    assert (against(rooms()), circles(rooms())) == ([], [])
 
 
-@pytest.mark.moderate
 def test_the_map_counts_circles() -> None:
     found = dict(rooms())
     found["problems"] = found["problems"]._replace(knows={"document": 1})
     assert circles(found) == [("problems", "document", "problems")]
     assert drawn(found).endswith("1 against the stream, 1 circles")
+
+
+def test_the_readme_has_the_map_as_it_is() -> None:
+    readme = (PACKAGE.parent / "README.md").read_text("utf-8")
+    drawing = "".join(f"    {line}\n" for line in drawn(rooms()).splitlines())
+    assert drawing in readme, "make map prints it anew"
+
+
+def test_the_package_lists_every_room() -> None:
+    told = ast.get_docstring(ast.parse(SOURCES[""])) or ""
+    missing = [
+        room
+        for room in KNOWS
+        if room not in ("", "__main__") and f"`{room.replace('.', '/')}" not in told
+    ]
+    assert missing == []
 
 
 def test_a_scene_without_a_mesh_loads_nothing_heavy_before_it_runs() -> None:

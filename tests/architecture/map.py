@@ -1,4 +1,4 @@
-"""Draw the rooms of the package and what each of them knows: `make map`.
+"""Draw the rooms of the package and what each of them imports: `make map`.
 
 Everything is read from the imports themselves, so the drawing cannot be out of date.
 """
@@ -63,33 +63,47 @@ def circles(found: Mapping[str, Room]) -> list[tuple[str, ...]]:
 
 
 def drawn(found: Mapping[str, Room]) -> str:
-    """Return the drawing: rooms from the ground up, and below each the rooms that it imports."""
-    order = list(found)
-    width = max(map(len, order))
+    """Return the drawing: rooms from the ground up, and after each the rooms that it imports."""
+    order = [room for room in found if room]
+    width = max(map(len, order)) + 2
     lines = []
-    for room, one in found.items():
-        lines.append(f"{room:<{width}} {one.files:>4} files {one.lines:>6} lines  {one.says}")
-        arrows = [f"{other} ({one.knows[other]})" for other in order if other in one.knows]
-        row = " " * 4 + "-> "
-        for arrow in arrows:
-            if len(row) + len(arrow) > WIDTH:
+    for room in order:
+        row = f"{room:<{width}}"
+        for other in order:
+            if other not in found[room].knows:
+                continue
+            if len(row) + len(other) > WIDTH:
                 lines.append(row.rstrip())
-                row = " " * 7
-            row += f"{arrow}  "
-        if arrows:
-            lines.append(row.rstrip())
-    against = [
-        f"{room} -> {other}"
-        for room, one in found.items()
-        for other in one.knows
-        if other in order and order.index(other) > order.index(room)
-    ]
-    count = sum(len(one.knows) for one in found.values())
+                row = " " * width
+            row += f"{other}  "
+        lines.append(row.rstrip())
+    arrows = sum(len(one.knows) for one in found.values())
     lines.append(
-        f"{len(found)} rooms, {count} arrows, {len(against)} against the stream, "
+        f"{len(order)} rooms, {arrows} arrows, {len(against(found))} against the stream, "
         f"{len(circles(found))} circles"
     )
     return "\n".join(lines)
+
+
+def against(found: Mapping[str, Room]) -> list[tuple[str, str]]:
+    """Return every arrow from a room to one that comes after it."""
+    order = list(found)
+    return [
+        (room, other)
+        for room, one in found.items()
+        for other in one.knows
+        if order.index(other) > order.index(room)
+    ]
+
+
+def sizes(found: Mapping[str, Room]) -> str:
+    """Return files, lines and purpose of every room."""
+    width = max(map(len, found))
+    return "\n".join(
+        f"{room:<{width}} {one.files:>4} files {one.lines:>6} lines  {one.says}"
+        for room, one in found.items()
+        if room
+    )
 
 
 def _first_line(source: str) -> str:
@@ -98,4 +112,4 @@ def _first_line(source: str) -> str:
 
 
 if __name__ == "__main__":
-    print(drawn(rooms()))
+    print(f"{sizes(rooms())}\n\neach room, and what it imports:\n\n{drawn(rooms())}")
