@@ -20,7 +20,8 @@ The rooms of the code, each of which knows only those before it (`make map` draw
 - `scene/`: what a scene says, in SI; `scene/checks/`: what can be wrong with it, part by part.
 - `simulation/plan/`: what is decided before an engine starts, in the engine's units.
 - `simulation/dynamics/`: rigid-body dynamics of chains, as arrays.
-- `simulation/engine/`: what a run needs of an engine; `engine/bullet/` is PyBullet.
+- `simulation/engine/`: what a run needs of an engine.
+- `simulation/engine/bullet/`: PyBullet, which nothing else imports.
 - `simulation/integrator/`: the spring-damper law, and what steps one body.
 - `simulation/monitoring/`: divergence, penetration, stop conditions, contact events.
 - `simulation/recording/`: from states to columns to CSV.

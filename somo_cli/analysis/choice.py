@@ -18,7 +18,7 @@ class RatedCase:
 
     @property
     def larger_error(self) -> float:
-        """The larger_error of the two errors; the two are never added, since neither knows its sign."""
+        """The larger of the two errors; they are never added, since neither has a known sign."""
         return max(self.solver, self.model or 0.0)
 
 

@@ -94,8 +94,9 @@ def _inertia_findings(plan: Plan, body: Body, document: Document, at: Pointer) -
         needed = _one_digit_above(MIN_JOINT_INERTIA / effective_inertia[least]) * 10
         yield Problem(
             document.span(at),
-            f"joint '{body.chain.joints[least].name}' moves {effective_inertia[least]:.2g} engine units of "
-            f"inertia; the engine takes less than {MIN_JOINT_INERTIA:g} for none, and holds the joint",
+            f"joint '{body.chain.joints[least].name}' moves {effective_inertia[least]:.2g} engine "
+            f"units of inertia; the engine takes less than {MIN_JOINT_INERTIA:g} for none, and "
+            "holds the joint",
             f"world_scale: {{length: {plan.scale.length:g}, mass: {plan.scale.mass * needed:g}}} "
             "changes no result",
             code="frozen-joint",

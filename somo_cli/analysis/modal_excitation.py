@@ -25,8 +25,9 @@ MAX_SAMPLED_HORIZONS = 5  # horizons that are sampled as finely
 class Vibration:
     """How modes vibrate about what is static, shape (n,), in modal coordinates.
 
-    `largest` is the largest amplitude met. `phase_weighted` is the largest sum of what every push left,
-    each times the angle |s| t that it has turned by since: to first order, the change of the motion
+    `largest` is the largest amplitude met. `phase_weighted` is the largest sum of what every push
+    left, each times the angle |s| t that it has turned by since: to first order, the change of the
+    motion
     is that times the relative change of the mode's root s.
     """
 

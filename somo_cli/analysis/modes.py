@@ -27,8 +27,8 @@ class SingularInertia(ValueError):
 class Modes:
     """The modes of M q'' + D q' + K q = 0, slow ones first; arrays of shape (n,).
 
-    `shapes`, (n, n), has one in each column, orthonormal with respect to M. `squared_frequencies` are the
-    squared_frequencies of the natural frequencies [rad²/s²], negative where the chain topples; `damping` is
+    `shapes`, (n, n), has one in each column, orthonormal with respect to M. `squared_frequencies`
+    are those of the natural frequencies [rad²/s²], negative where the chain topples; `damping` is
     the diagonal of D in these modes [1/s]. Exact, whatever D is, are the explicit step [s] and
     `all_roots` [1/s], shape (2n,), of det(s² M + s D + K) = 0, those of least modulus first.
     """

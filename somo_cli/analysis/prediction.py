@@ -23,8 +23,8 @@ MAX_TIP_TRAVEL = 2.0  # lengths: no tip moves farther from where it started
 class ModalMotion:
     """How each mode moves the tip, one number a mode, shape (n,); slow modes first.
 
-    `amplitudes` [engine length] are those of free vibration about what is static, `phase_weighted` the
-    same times the angle that the mode turns by meanwhile (see `Vibration`), `rates` [rad/s] the
+    `amplitudes` [engine length] are those of free vibration about the static part, `phase_weighted`
+    the same times the angle that the mode turns by meanwhile (see `Vibration`), `rates` [rad/s] the
     moduli of their roots. `spring_shares` is what of a mode's stiffness is springs; the rest is
     gravity and loads. `length` is the chain's; `travel` is how far a free base carries it in the
     meantime, turning included, in lengths. `turns` [rad], shape (n, n), holds by how much each
@@ -63,7 +63,7 @@ class ModalMotion:
     def error(self, integrator: Integrator, step: float) -> float:
         """Return the error of the tip to expect from a step [s], relative to the length.
 
-        The step changes the root of each mode, and by that its motion, by `phase_weighted` times the
+        The step changes the root of each mode, and so its motion, by `phase_weighted` times the
         relative change; and it errs by some of the amplitude itself. Of a mode that the step does
         not resolve all is lost. The modes add up, as if they met at their worst.
         """

@@ -25,8 +25,8 @@ def load(
     """Load a definition, an assembly, a scene or a trajectory, with the files that it names.
 
     `sets` overrides values as `--set` does, such as "integrator=euler". Files lie in the folder of
-    the one that names them, or below, unless `allow_outside`, or in the folders of `packages`, where
-    package:// and model:// names lead.
+    the one that names them, or below, unless `allow_outside`; names that begin with package:// or
+    model:// lie in the folders of `packages`.
 
     Raises:
         InvalidFile: With every error of all files, each at its line and column.

@@ -27,7 +27,7 @@ _STATIONS = 401  # along the length
 
 @dataclass(frozen=True, slots=True)
 class BeamComparison:
-    """What is wrong with the chain of some moment_arms, tip-matched; ratios, so 0.01 is one per cent.
+    """Errors of a chain with matched tip stiffness, as ratios: 0.01 is one per cent.
 
     `along` is the largest error of the deflection along the length under a force on the tip
     (torsion: of the angle under a moment), over that of the tip, and `profile` the errors at

@@ -1,8 +1,8 @@
 """The torque behind a blocked force, with joints that turn by more than a little.
 
 The finger presses on something that does not give and does not hold it along its length: a force
-F that keeps its direction, across the straight actuator. The rule of `moment_arms` is exact for small
-angles; here they are whatever they are.
+F that keeps its direction, across the straight actuator. The rule of `moment_arms` is exact for
+small angles; here they may be large.
 """
 
 from __future__ import annotations

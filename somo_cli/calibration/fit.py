@@ -43,7 +43,8 @@ class FitResult:
 
     `factors` multiply the guesses; `errors`, half widths of 95 % confidence intervals, have the
     units of the parameters; both of shape (p,). `correlation` is that of the estimates, (p, p).
-    `insensitive` parameters are not among them: they do not show in the data and stay at their guess.
+    `insensitive` parameters are not among them: the data do not show them, so they keep their
+    guess.
     `residuals` are measured minus simulated, (rows, columns), in the units of the data, and
     `first_residuals` those of the guess; `runs` is how often the scene was run.
     """

@@ -119,7 +119,8 @@ def of_definition(
 ) -> MomentArms:
     """Return the moment_arms of an axis of an actuator, the actuator clamped by itself.
 
-    `at` is where the force acts, from the base of the actuator, its end if None. Raises NoMomentArms.
+    `at` is where the force acts, from the base of the actuator; None is its end. Raises
+    NoMomentArms.
     """
     if not 0 <= actuator < len(definition.actuators):
         raise NoMomentArms(
@@ -166,7 +167,7 @@ def of_uniform_actuator(
     placing: Placement,
     at: float | None = None,
 ) -> MomentArms:
-    """Return the moment_arms of an actuator with `joints` joints per axis, `axes` of which take turns.
+    """Return the moment arms of an actuator with `joints` joints per axis, `axes` taking turns.
 
     Raises NoMomentArms.
     """

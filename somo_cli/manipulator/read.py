@@ -1,4 +1,4 @@
-"""Document to Definition; total, once the schema and `meaning.definition_problems` have found no error."""
+"""From a document without errors to a definition, in SI."""
 
 from __future__ import annotations
 

@@ -32,8 +32,8 @@ class ContactSurface:
     """What a body or a link is like to touch.
 
     The friction of a contact is the product of both bodies', as is the restitution. The lever arm
-    of its spinning and rolling friction is a.arm * b.friction + b.arm * a.friction. `friction_anisotropy`
-    are factors of the friction along the link's own axes.
+    of its spinning and rolling friction is a.arm * b.friction + b.arm * a.friction.
+    `friction_anisotropy` are factors of the friction along the link's own axes.
     """
 
     friction: Number

@@ -115,11 +115,11 @@ class Manipulator:
 class Scene:
     """Everything a run needs but the number of steps; SI throughout.
 
-    `object_quantities` is what is recorded of the objects, and `only` the patterns that a column of all
-    these has to match, if there are any. `stop_conditions` end a run early.
-    `reference` is the closed form that a study holds the results against, if there is one. Where
-    the scene leaves the time step to us, `is_time_step_automatic` says so, and `expected_tip_error` what error
-    of the tip, relative to the length, the step was chosen with.
+    `columns` and `object_quantities` are recorded of manipulators and objects, but only columns
+    that match one of the patterns `only`, if there are any. `stop_conditions` end a run early.
+    `reference` is the closed form that a study compares the results with, if there is one.
+    `is_time_step_automatic` says that the scene leaves the time step to us; `expected_tip_error` is
+    the error of the tip, relative to the length, for which it was chosen.
     """
 
     time_step: float

@@ -17,8 +17,8 @@ CONTACT_MARGIN = 0.02  # engine units; seen in 3.2.7: contact begins 0.004 units
 def can_touch(scene: Scene) -> bool:
     """Whether two parts of a scene may come to touch, wherever their joints go.
 
-    False only where no two can: every base is static, every object fixed, and the reach_spheres in which
-    manipulators are whatever their joints do are clear of each other, of objects and of the ground.
+    False only where no two can: every base is static, every object fixed, and the spheres within
+    which manipulators stay, whatever their joints do, are clear of each other, objects and ground.
     """
     if any(one.has_self_collision for one in scene.manipulators):
         return True

@@ -1,4 +1,4 @@
-"""Joints as moment_arms: the exact rules against the statics of the whole chain, and SoMo's formulas."""
+"""Joints as moment arms: exact rules against the statics of the chain, and SoMo's formulas."""
 
 from __future__ import annotations
 

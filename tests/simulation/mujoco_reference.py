@@ -54,13 +54,14 @@ def model_of(
 ) -> mujoco.MjModel:
     """Read our URDF into MuJoCo, which has no springs in URDF: they are set afterwards.
 
-    A free base adds 7 numbers to the front of qpos and 6 to that of qvel, a prescribed one 6 to both:
-    x, y, z, yaw, pitch, roll.
+    A free base adds 7 numbers to the front of qpos and 6 to that of qvel, a prescribed one 6 to
+    both: x, y, z, yaw, pitch, roll.
     """
     text = render(chain).replace(
         f'<robot name="{chain.name}">',
         f'<robot name="{chain.name}"><mujoco><compiler fusestatic="true" '
-        f'discardvisual="true" balanceinertia="false"/></mujoco>{FLOATING * is_free}{SIX_JOINTS * has_prescribed_base}',
+        f'discardvisual="true" balanceinertia="false"/></mujoco>'
+        f"{FLOATING * is_free}{SIX_JOINTS * has_prescribed_base}",
     )
     model = mujoco.MjModel.from_xml_string(text)
     names = [
@@ -144,7 +145,7 @@ def trajectory_under_loads(
 def prescribed_trajectory(
     model: mujoco.MjModel, motion: PrescribedMotion, times: Sequence[float]
 ) -> np.ndarray:
-    """Return joint angles at the times, shape (len(times), n), of a base at the origin that is prescribed.
+    """Return joint angles at the times, shape (len(times), n), of a prescribed base at the origin.
 
     The model is one of `model_of` with six joints before those of the chain, whose motion is given;
     the others start at rest. M q'' = forces - M_led a, by Runge and Kutta's method.

@@ -54,7 +54,7 @@ Loop = Callable[[], tuple[np.ndarray, float]]
 
 
 def our_loop(scene: Scene, step: float) -> Loop:
-    """Return our stepping loop; it is timed in a run of its own, in which nothing is record_rows."""
+    """Return our stepping loop, timed in a run of its own, in which nothing is recorded."""
     count = round(1 / step)
     scene = dataclasses.replace(scene, time_step=step, every=round(TENTH / step))
     plan = make_plan(scene)

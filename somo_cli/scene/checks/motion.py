@@ -56,8 +56,8 @@ def _time_order_problems(
             yield Problem(
                 document.span((*at, part, number)),
                 f"time {points[number][0]} s does not come after {points[number - 1][0]} s",
-                f"way-points are [time, {_COMPONENTS_AND_UNITS[part][0]}], and each has a later time than the "
-                "one before",
+                f"waypoints are [time, {_COMPONENTS_AND_UNITS[part][0]}], and each has a later "
+                "time than the one before",
             )
 
 
@@ -93,8 +93,8 @@ def _pose_problems(
         shown = ", ".join(f"{value:.3g}" for value in start)
         yield Problem(
             document.span(first),
-            f"at time 0 the {part} is [{shown}] {_COMPONENTS_AND_UNITS[part][1]}, and the motion starts where "
-            "position and rpy say",
+            f"at time 0 the {part} is [{shown}] {_COMPONENTS_AND_UNITS[part][1]}, and the motion "
+            "starts where position and rpy say",
             f"begin with {_zero_waypoint(0)}, and change the start pose instead",
         )
 

@@ -1,4 +1,4 @@
-"""What points what: contact points as the engine tells them, and the forces they sum up to."""
+"""Contact points as the engine reports them, and the forces they sum up to."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ the ground; links as in the chain, 0 the base."""
 class ContactPoint(NamedTuple):
     """One contact point in the last step, in engine units and the world's axes.
 
-    `normal` is a unit vector from second to first, `normal_force` the force along it on the first, and
-    `friction_forces` are the two forces of friction on the first, each a direction and a size.
+    `normal` is a unit vector from second to first, `normal_force` the force along it on the first.
+    `friction_forces` are the two friction forces on the first, each a direction and a size.
     """
 
     first: LinkIndex
@@ -32,7 +32,7 @@ class ContactPoint(NamedTuple):
 def friction_contact(
     first: LinkIndex, second: LinkIndex, point: Sequence[float], force: Sequence[float]
 ) -> ContactPoint:
-    """Return a friction by itself, whose normal force another contact point has."""
+    """Return a contact point of friction alone; another has its normal force."""
     size = geometry.norm(geometry.vector(force))
     x, y, z = (part / size if size > 0 else 0.0 for part in force)
     friction_forces = ((x, y, z), size), (geometry.ZERO, 0.0)
@@ -40,9 +40,9 @@ def friction_contact(
 
 
 class ContactForce(NamedTuple):
-    """What contact points do to one contact, in the world's axes.
+    """The force of several contact points on one partner, in the world's axes [engine units].
 
-    The whole force, the sum of the sizes of normal forces and of friction, the force of friction.
+    The total force, the sums of normal and of friction magnitudes, the friction force.
     """
 
     fx: float
@@ -58,11 +58,11 @@ class ContactForce(NamedTuple):
 NO_CONTACT = ContactForce(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 SignedContact: TypeAlias = tuple[ContactPoint, float]
-"""A contact point, and 1 if it is looked at from its first, -1 if from its second."""
+"""A contact point, and the sign of its forces: 1 on its first link, -1 on its second."""
 
 
 def contacts_on(points: Sequence[ContactPoint], body: int) -> list[SignedContact]:
-    """Return what points a body from outside; forces within it are in no sum over the whole."""
+    """Return the contact points of a body with others; forces within it sum to nothing."""
     return [
         (point, 1.0 if point.first[0] == body else -1.0)
         for point in points
@@ -71,7 +71,7 @@ def contacts_on(points: Sequence[ContactPoint], body: int) -> list[SignedContact
 
 
 def contacts_between(points: Sequence[ContactPoint], body: int, other: int) -> list[SignedContact]:
-    """Return what of another body points a body."""
+    """Return the contact points of a body with another one."""
     return [
         contact
         for contact in contacts_on(points, body)

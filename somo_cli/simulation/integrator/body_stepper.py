@@ -1,4 +1,4 @@
-"""One body in motion: its law, what acts on it and its energy."""
+"""Steps one body: applies the torques of its law, reads its state, counts its energy."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ from somo_cli.simulation.integrator.refresh_policy import (
 from somo_cli.simulation.plan.joint_springs import JointSprings
 from somo_cli.simulation.plan.model import Body, Plan
 
-NEAR_LIMIT = 0.1  # rad: a body with a joint nearer to its limit is not calm
-FAR_LIMIT = 1.0  # rad: joints farther from their limits do not reach them before the next look,
-LOOKAHEAD = 2.0  # nor those that would not do so in so many times the time until then
-FAR_RATIO = 4.0  # times as far as that until what is implicit in the law is renewed as well
+NEAR_LIMIT = 0.1  # rad: with a joint nearer to its limit no correction is reused
+FAR_LIMIT = 1.0  # rad: a joint farther from its limits does not reach them before the next check,
+LOOKAHEAD = 2.0  # nor one that would not in so many times the time until then
+FAR_RATIO = 4.0  # D + N and B are refreshed after this many times the joint motion of M
 
 
 class BodyStepper:
-    """One body in motion; most steps are a `apply_torques` and a `read_state`."""
+    """One body in motion; most steps are an `apply_torques` and a `read_state`."""
 
     def __init__(self, plan: Plan, body: Body, world_body: WorldBody) -> None:
         joints = body.chain.joints
@@ -56,15 +56,17 @@ class BodyStepper:
         self.law.detects_impacts = plan.can_touch
         self.loads = ExternalLoads(body, world_body.base_pose) if body.loads else None
         self.actuation: Array = np.zeros(len(joints)) if body.loads else self.law.actuation
-        """Torques of the actuation alone; to the law, loads are actuation too."""
+        """Torques of the actuation alone; the law counts loads as actuation as well."""
         self._limits = JointLimits(joints)
         self.energy = BodyEnergy(body, springs, plan.gravity)
         self.mass: Array = np.zeros((0, 0))
         self.mass_at_start: Array = self.mass
         self.max_rate = 0.0  # rad/s
         self._mass_angles: Array = np.zeros(0)
-        self._moved_since = 0.0  # rad since then, as the root of the sum of squares over the joints
-        self._clearance_at_refresh = math.nan  # rad; to the nearest limit, once somebody has asked
+        self._moved_since = (
+            0.0  # rad, since M was refreshed: root of the sum of squares over the joints
+        )
+        self._clearance_at_refresh = math.nan  # rad, to the nearest limit; NaN until it is needed
         self._coefficient_angles: Array = np.full(len(joints), math.inf)
         self._apply_reused = self._make_apply_reused()
         is_explicit = plan.integrator == "explicit"
@@ -78,8 +80,8 @@ class BodyStepper:
         self._rates = self.law.rates
         self._gravity = plan.gravity
         self._refresh_policy = RefreshPolicy(plan.time_step, plan.can_touch)
-        self._at_check: tuple[Array, Array] | None = None  # correction and bias at the last look
-        self._last_correction = np.zeros(0), np.zeros(0)  # and when they were renewed last
+        self._at_check: tuple[Array, Array] | None = None  # correction and bias at the last check
+        self._last_correction = np.zeros(0), np.zeros(0)  # correction and bias of the last refresh
         self._steps_reused = self._steps_left = 1
         self._apply_variants = {1: self._apply_refreshed, MONITORING_INTERVAL: self._apply_reused}
         self._apply_variants |= {steps: self._apply_alternating for steps in REUSE_STEPS[1:]}
@@ -109,21 +111,21 @@ class BodyStepper:
             self._apply_load(self.loads.force(time, self.law.angles))
 
     def _apply_load(self, load: Array) -> None:
-        """Tell the law of a generalised force of loads, shape (6 + n,)."""
+        """Add the generalised force of the loads, shape (6 + n,), to the actuation of the law."""
         np.add(self.actuation, load[6:], self.law.actuation)
 
     def give_torque(self, joints: tuple[int, ...], torque: float) -> None:
-        """Have a torque [engine units] act on joints, in place of what the scene says, until told.
+        """Apply a torque [engine units] to joints from the next `actuate` on.
 
-        It acts from the next `actuate` on.
+        It replaces what the scene says, until another torque is given.
         """
         self._given_torques[joints] = _setter(self.actuation, joints), torque
 
     def rates_of_instant(self) -> Array:
         """Return the joint rates at the instant of the angles [rad/s], shape (n,).
 
-        The implicit law has them half a step earlier; they are carried on with the acceleration of
-        the last step, to second order.
+        The implicit integrator has them half a step earlier; they are extrapolated with the
+        acceleration of the last step, to second order.
         """
         return self.law.rates_of_instant()
 
@@ -137,7 +139,7 @@ class BodyStepper:
         return until
 
     def apply(self, torques: Sequence[float]) -> None:
-        """Apply torques of the law to the world, and what it takes for the loads to be whole."""
+        """Apply torques of the law to the engine, and what of the loads the law leaves out."""
         self.world_body.apply(torques)
 
     @property
@@ -146,15 +148,15 @@ class BodyStepper:
         return self.law.rates
 
     def apply_at_check(self) -> None:
-        """Apply the torques of the law at a look, and decide how to go on until the next.
+        """Apply the torques of the law at a check, and choose how to step until the next one.
 
-        The correction for the engine's early Coriolis forces costs two calls into the engine. It
-        need not be renewed in every step while the body moves slowly and the correction changed
-        so little since the last look that holding it cost less than the method's own error.
+        The correction for the engine's early Coriolis forces costs two calls into the engine. While
+        the body moves slowly, and the correction changed so little since the last check that
+        reusing it costs less than the error of the method, it is not refreshed in every step.
         """
         law = self.law
         if self._refresh_policy.is_gravity_implicit:
-            # with looks, not with the mass: any such part of B is as good as a fresh one
+            # at checks, not with M: any such part of B is as accurate as a fresh one
             law.coefficients.set_gravity_stiffness(
                 positive_gravity_stiffness(self._pose(), self._gravity), self.mass
             )
@@ -180,23 +182,23 @@ class BodyStepper:
         self._refresh_policy.set_reuse(steps)
 
     def _reuse_steps(self, change: Array) -> int:
-        """Return for how many steps a correction may be held that changed so between two looks."""
+        """Return for how many steps a correction that changed by `change` may be reused."""
         return self._refresh_policy.reuse_steps(change / self.mass.diagonal(), self.max_rate)
 
     def _clearance(self, enough: float) -> float:
-        """Return how far the joint nearest to a limit is from it [rad], or what is `enough`."""
+        """Return the least distance of a joint from its limit [rad], exact only below `enough`."""
         if math.isnan(self._clearance_at_refresh):
             self._clearance_at_refresh = self._limits.clearance(self._mass_angles)
-        # no joint has moved farther than all together
+        # no joint has moved farther than the root of the sum of squares
         clearance = self._clearance_at_refresh - self._moved_since
         return clearance if clearance >= enough else self._limits.clearance(self.law.angles)
 
     def _make_apply_reused(self) -> Callable[[], None]:
-        """Return the function that applies torques with the correction held."""
+        """Return the function that applies torques with a reused correction."""
         return self.law.make_reuse(self.world_body.apply)
 
     def _apply_alternating(self) -> None:
-        """Hold the correction, but for every second or fourth step, which renews it."""
+        """Reuse the correction, and refresh it in every second or fourth step."""
         self._steps_left -= 1
         if self._steps_left:
             self._apply_reused()
@@ -219,7 +221,7 @@ class BodyStepper:
         world.apply(torques)
 
     def _make_read_state(self) -> Callable[[], None]:
-        """Return the function that reads angles and rates from the world, its names bound."""
+        """Return the function that reads angles and rates from the engine, with bound names."""
         joint_states, motion = self.world_body.joint_states, self.law.motion.data
         pack = struct.Struct(f"{2 * len(self.law.rates)}d").pack_into
 
@@ -232,26 +234,26 @@ class BodyStepper:
         return read_state
 
     def measure(self) -> None:
-        """Take the speed and the energy of the present state, for the watch."""
+        """Measure speed and energy of the present state, for the divergence monitor."""
         rates = self.law.rates.tolist()
-        # a rate that is not a number must win, which max() alone would not let it
+        # NaN must win, which max() alone would not let it
         self.max_rate = max(max(rates), -min(rates)) if math.isfinite(sum(rates)) else math.nan
         if math.isnan(self.max_rate):
-            return  # the watch stops the run; there is no energy to tell
+            return  # the divergence monitor ends the run
         self._update_energy()
 
     def _update_energy(self) -> None:
-        """Take the energy of the present state."""
+        """Update the energy of the present state."""
         self.energy.update(self.law.angles, self.law.rates, self.mass)
 
     def count_step_work(self) -> None:
-        """Count the work of the last step, over which the joints moved by their rates."""
+        """Count the work of the last step, in which the joints moved by their rates."""
         self._step_powers += self._working_torques.dot(self._rates)
 
     def count_work(self, is_steady: bool) -> None:
-        """Tell the energy of work done since the last call.
+        """Add the work done since the last call to the energy bound.
 
-        It was counted step by step, unless what acted is steady.
+        It was counted step by step, unless the torques were constant (`is_steady`).
         """
         angles = self.law.angles
         if is_steady:
@@ -263,14 +265,14 @@ class BodyStepper:
         self._angles_at_work[:] = angles
 
     def refresh_if_moved(self) -> None:
-        """Renew the mass matrix if it is that of angles too far from the present ones."""
+        """Refresh the mass matrix if the joints have moved too far since the last time."""
         moved = self.law.angles - self._mass_angles
         self._moved_since = math.sqrt(moved.dot(moved))
         if self._moved_since > self._refresh_policy.refresh_angle:
             self.refresh()
 
     def refresh(self) -> None:
-        """Renew the mass matrix for the present angles."""
+        """Refresh the mass matrix for the present angles."""
         angles = self._mass_angles = self.law.angles.copy()
         self._moved_since, self._clearance_at_refresh = 0.0, math.nan
         self.mass = self.world_body.mass_matrix(angles.tolist())
@@ -283,7 +285,7 @@ class BodyStepper:
         self.law.refresh(self.mass, refreshes_implicit)
 
     def linearize(self) -> None:
-        """Ask, at the start, for what decides how the body is to be followed."""
+        """Linearize at the start: its modes set the refresh policy."""
         slowest = float(natural_frequencies(self.mass, self.law.springs.stiffness)[0])
         # gravity moves a free body as a whole, and no joint
         is_free = self.body.base == "free"
@@ -301,13 +303,13 @@ class BodyStepper:
             self.refresh()
 
     def set_start_force(self, force: Array, rates: Array) -> None:
-        """Take the force on the joints that was measured at the start, at these rates."""
+        """Set the force on the joints that was measured at the start, at these rates."""
         spin = self.body.start.angular_velocity
         bias = self.world_body.bias(self.law.angles.tolist(), rates.tolist(), spin)
         self.law.set_force(force, self.world_body.equivalent_joint_torques(bias))
 
     def _pose(self) -> ChainPose:
-        """Return the chain as it is now, the base as it started, without asking the engine."""
+        """Return the chain at the present angles, its base at the start pose."""
         return self.dynamics().at(self.law.angles, self.body.start.pose)
 
     def reset_to_start(
@@ -315,7 +317,7 @@ class BodyStepper:
         rates: Sequence[float] | None = None,
         base_velocity: tuple[Vector, Vector] | None = None,
     ) -> None:
-        """Put the body back to its start, with other velocities if given."""
+        """Reset the body to its start, with other velocities if given."""
         start = self.body.start
         self.world_body.reset(start.angles, rates or start.rates, base_velocity)
         self.read_state()

@@ -1,4 +1,4 @@
-"""The energy of bodies, and the most that it may be."""
+"""The energy of bodies, and upper bounds on it."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ SMALL_ANGLE = 1e-3  # rad; deflections below it are never called divergence
 
 
 class BodyEnergy:
-    """The energy of one body's joints and springs, and the most it may be; engine units.
+    """The energy of one body's joints and springs, and its upper bound; engine units.
 
-    The bound is the energy at the start, the work of actuation and loads, and what gravity can give
-    at most, with everything stretched out and falling over once. `floor` is an energy too small to
-    speak of: every spring deflected by a small angle.
+    The bound is the energy at the start, the work of actuation and loads, and the most that gravity
+    can add: the whole chain stretched out and falling over once. `floor` is a negligible energy:
+    every spring deflected by SMALL_ANGLE.
 
-    Where `set_whole_energy` is told of a free body, its base counts too, and what gravity has given: a
-    body that contact throws far away is not to be taken for one that has gravity_work far.
+    For a free body that can touch something, `set_whole_energy` adds the base and the measured work
+    of gravity. Otherwise a body that contact throws far away would pass for one that fell far.
     """
 
     def __init__(self, body: Body, springs: JointSprings, gravity: Sequence[float]) -> None:
@@ -37,7 +37,9 @@ class BodyEnergy:
         self._mass = sum(link.inertial.mass for link in body.chain.links)
         self._given_energy = _energy_of_base(body) + self._weight * _fall_moment(body)
         self._base_fall = 0.0
-        self._start: tuple[float, float] | None = None  # of the whole: all of it, that in gravity
+        self._start: tuple[float, float] | None = (
+            None  # energy of the whole body, and its part in gravity
+        )
         self._gravity_work = 0.0
         self._has_started = False
         self._work = 0.0
@@ -46,13 +48,13 @@ class BodyEnergy:
 
     @property
     def bound(self) -> float:
-        """The most energy the joints and springs can have; of a whole body, all of it."""
+        """The upper bound on the energy of joints and springs, or of the whole body."""
         if self._start is not None:
             return self._start[0] + self._max_work + self._gravity_work
         return self._given_energy + self._max_work + self._base_fall
 
     def update(self, angles: Array, rates: Array, mass: Array) -> None:
-        """Take the present state, arrays of shape (n,), and the joint-space inertia (n, n)."""
+        """Update with angles and rates, shape (n,), and the joint-space inertia, shape (n, n)."""
         springs = self._springs
         deflection = angles - springs.neutral
         deflection *= deflection
@@ -66,8 +68,8 @@ class BodyEnergy:
     def energies(self, angles: Array, rates: Array, masses: Sequence[Array]) -> Array:
         """Return the energies of joints and springs in several states, shape (states,).
 
-        Angles and rates have the shape (states, n); `masses` holds the inertia of each state, one
-        and the same array for many in a row.
+        Angles and rates have the shape (states, n); `masses` holds the inertia of each state, the
+        same array object for states that share it.
         """
         springs = self._springs
         momenta: Array = np.empty_like(rates)
@@ -81,7 +83,7 @@ class BodyEnergy:
         return energies
 
     def set_whole_energy(self, kinetic: float, gravity: float) -> None:
-        """Take the energies of a whole free body, after `update`: of motion, and in gravity."""
+        """Set the kinetic and the gravity energy of a whole free body, after `update`."""
         self.present = kinetic + self.elastic
         if self._start is None:
             self._start = self.present, gravity
@@ -93,11 +95,11 @@ class BodyEnergy:
         self._max_work = max(self._max_work, self._work)
 
     def add_energy(self, energy: float) -> None:
-        """Allow for energy that was put in by what is neither actuation nor load."""
+        """Add energy from other sources than actuation and loads to the bound."""
         self._given_energy += energy
 
     def bound_base_fall(self, distance: float) -> None:
-        """Allow for what gravity can give when the base has moved this far."""
+        """Add what gravity can do while the base moves by a distance to the bound."""
         self._base_fall = max(self._base_fall, self._weight * self._mass * distance)
 
     def joint_shares(self, rates: Array, mass: Array) -> Array:
@@ -107,9 +109,9 @@ class BodyEnergy:
 
 
 class ObjectEnergyBound:
-    """The most energy that the objects of a scene can have given to the joints; engine units.
+    """An upper bound on the energy that objects can have given to the joints; engine units.
 
-    What they start with, and what gravity can have given them on the way they have gone.
+    It is their energy at the start, and what gravity can have added over the distance they moved.
     """
 
     def __init__(self, plan: Plan, objects: Sequence[WorldObject]) -> None:
@@ -121,7 +123,7 @@ class ObjectEnergyBound:
             if rigid_object.has_prescribed_pose:
                 continue
             inertial = rigid_object.chain.links[0].inertial
-            # while its frame stays, a centre of mass offset it can still fall that far
+            # a centre of mass off the frame's origin can fall that far while the origin stays
             offset = 2 * geometry.norm(inertial.centre)
             self._free.append((one, inertial.mass, rigid_object.position, offset))
             translational = 0.5 * inertial.mass * _square(rigid_object.linear_velocity)
@@ -130,7 +132,7 @@ class ObjectEnergyBound:
         self._gravity_work = 0.0
 
     def energy_bound(self) -> float:
-        """Return the bound for now."""
+        """Return the bound at the present instant."""
         if self._free:
             gravity_work = sum(
                 mass
@@ -160,7 +162,7 @@ def _energy_of_base(body: Body) -> float:
     spin = geometry.norm(body.start.angular_velocity)
     chain = body.chain
     reach = chain.length + max(geometry.norm(one.inertial.centre) for one in chain.links)
-    if chain.limbs:  # they begin where they are mounted
+    if chain.limbs:  # limbs begin where they are mounted
         reach += max(geometry.norm(one.origin) for one in chain.joints if one.parent == 0)
     return 0.5 * sum(
         link.inertial.mass * (speed + spin * reach) ** 2 + max(link.inertial.inertia) * spin**2

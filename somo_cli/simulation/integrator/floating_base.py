@@ -31,7 +31,7 @@ class FloatingBaseStepper(BodyStepper):
         self._spin_change: Array = np.zeros(3)  # by how much the spin changed in the last step
         self._velocity: Vector = body.start.linear_velocity  # of the base's centre of mass
         self._load: Array = np.zeros(6 + len(body.chain.joints))
-        # of the loads: on the base, in its own axes, and on the joints residual_torques what the law knows
+        # of the loads: on the base, in its own axes, and on the joints beyond what the law knows
         self._base_wrench: Array = np.zeros(6)
         self._residual_torques: Array = np.zeros(len(body.chain.joints))
         super().__init__(plan, body, world_body)

@@ -1,4 +1,4 @@
-"""How a run starts: forces measured, velocities brought to where the integrator wants them."""
+"""Start a run: measure the forces, and set velocities half a step before the start."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ def begin(
     body_steppers: Sequence[BodyStepper],
     object_steppers: Sequence[KinematicObjectStepper] = (),
 ) -> None:
-    """Bring every body to its start, with the velocities its integrator wants there.
+    """Bring every body to its start, with the velocities that its integrator needs there.
 
-    The forces that are not ours at the start are measured by a step without torques, which is
-    then undone. For the implicit law velocities live at half steps, so the bodies start with
-    v0 - h/2 a0; how the bases accelerate under the first torques is measured by a second step.
+    A trial step without torques measures the other forces on the joints and is then undone. The
+    implicit integrator has velocities at half steps, so bodies start with v0 - h/2 a0; a second
+    trial step measures the acceleration of the bases under the first torques.
     """
     for body_stepper in body_steppers:
         body_stepper.read_state()
@@ -51,7 +51,7 @@ def begin(
         body_stepper.read_state()
         forces.append(body_stepper.mass @ (body_stepper.law.rates - before) / plan.time_step)
         body_stepper.reset_to_start()
-    # objects, too, live at half steps: what they were pulled by in the step is undone by half
+    # objects have velocities at half steps, too: half of what the trial step added is taken back
     halved = [
         _half_step_before(before, world_object.velocity()[0])
         for before, world_object in zip(velocities, world.objects, strict=True)
@@ -67,7 +67,7 @@ def begin(
 
 
 def _check_joint_inertia(body: Body, mass: Array) -> None:
-    """Raise EngineRefused for a body of which the engine would hold a joint, without a word."""
+    """Raise EngineRefused for a body with a joint that the engine would silently hold."""
     try:
         inertia = articulated_inertia(mass)
     except np.linalg.LinAlgError:
@@ -79,8 +79,8 @@ def _check_joint_inertia(body: Body, mass: Array) -> None:
         raise EngineRefused(
             body.name,
             f"joint '{body.chain.joints[least].name}' moves {inertia[least]:.2g} engine units of "
-            f"inertia, and less than {MIN_JOINT_INERTIA:g} does not move at all; the mass factor of "
-            "world_scale changes no result, so choose a larger one",
+            f"inertia, and less than {MIN_JOINT_INERTIA:g} does not move at all; the mass factor "
+            "of world_scale changes no result, so choose a larger one",
         )
 
 

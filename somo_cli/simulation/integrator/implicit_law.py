@@ -46,8 +46,8 @@ twice the last one or against it, is limited.
 Where joints would pass their limits in the expected step, a and τ get what torques λ on them do,
 (M + B)⁻¹ λ and (1 - B (M + B)⁻¹) λ: see `stops`.
 
-`SpringDamperLaw.correct` does so in full; `SpringDamperLaw.reuse` goes on from the last two, which is enough,
-and still second order, where a few steps turn no joint far.
+`SpringDamperLaw.correct` computes all of this. `SpringDamperLaw.reuse` extrapolates the last two
+corrections, which is still second order, and enough where a few steps turn no joint far.
 
 Newmark, J. Eng. Mech. Div. ASCE 85 (1959) 67; Chung and Hulbert, J. Appl. Mech. 60 (1993) 371
 (why modes that are not resolved should be damped, and only they); Hairer, Lubich, Wanner,
@@ -68,15 +68,15 @@ from somo_cli.scene.model import Integrator
 from somo_cli.simulation.integrator.mode_coefficients import ModeCoefficients
 from somo_cli.simulation.plan.joint_springs import JointSprings
 
-IMPACT_RATIO = 2.0  # times the change of the step before: a larger one is a blow's
-SMOOTH = 5e-3  # rad: what a rate's change in a step, times the step, is below in smooth motion
+IMPACT_RATIO = 2.0  # a change larger than this times the one before counts as an impact
+SMOOTH = 5e-3  # rad: below it, a change of rate in a step, times the step, counts as smooth
 
 
 def limited_change(change: Array, before: Array, small: float) -> Array:
-    """Return what of a change in the last step may be taken to go on, from that in the step before.
+    """Return the part of the change in the last step that may be extrapolated, shape (n,).
 
-    All of it up to `small`, and in smooth motion; what a blow has added is limited, number by
-    number (a minmod).
+    `before` is the change in the step before. Changes up to `small` and those of smooth motion stay
+    whole; what an impact has added is limited, number by number (a minmod).
     """
     if change.dot(change) <= small * small or float(np.abs(change).max()) <= small:
         return change
@@ -86,11 +86,11 @@ def limited_change(change: Array, before: Array, small: float) -> Array:
 
 
 class SpringDamperLaw:
-    """The law of one body, in most steps as one product of a vector and a matrix.
+    """The law of one body, in most steps one product of a vector and a matrix.
 
-    `state` stacks the share of a held correction's growth, a one, u, q, v, v_prev and τ_prev, shape
-    (5 n + 2,): write q and v into `motion`, set `actuation` when it changes, then call `correct`,
-    or what `make_reuse` returns, for the torques of the expected step.
+    `state`, shape (5 n + 2,), stacks the share of a reused correction's growth, a one, u, q, v,
+    v_prev and τ_prev. Write q and v into `motion`, set `actuation` when it changes, then call
+    `correct`, or what `make_reuse` returns, for the torques of the coming step.
     """
 
     def __init__(self, springs: JointSprings, time_step: float, integrator: Integrator) -> None:
@@ -106,9 +106,9 @@ class SpringDamperLaw:
         self.correction: Array = np.zeros(n)
         self.bias: Array | None = None  # at the start of the last step, if it was corrected
         self.limit_torques: Callable[[Array, Array], Array | None] | None = None
-        """Gives, from a and (M + B)⁻¹, the torques of joints at their limits, where there are."""
+        """Returns the torques at joint limits from a and (M + B)⁻¹; None far from all limits."""
         self.detects_impacts = False
-        """Whether blows are to be told from smooth motion."""
+        """Whether impacts are to be told from smooth motion."""
         self._last_acceleration: Array | None = None
         self._mass: Array | None = None
         self.coefficients = ModeCoefficients(springs, time_step, integrator)
@@ -116,23 +116,23 @@ class SpringDamperLaw:
         self._implicit = self.coefficients.constant_implicit
         self._at_rest: Array = springs.stiffness * springs.neutral
         self._torques: Array = np.zeros(n)
-        # as arrays, which numpy multiplies by in half of the time that it takes to read a number
+        # arrays: numpy multiplies by them in half the time that it takes to read a float
         self._step: Array = np.array(time_step)
         self._half_step: Array = np.array(0.5 * time_step)
-        self._growth_per_step = 1.0  # of a held correction's growth
-        # memory views are copied in half of the time that arrays take
+        self._growth_per_step = 1.0  # share of a reused correction's growth
+        # memory views are copied in half the time of arrays
         self._present_views: Any = self.rates.data, self._torques.data
         self._previous_views: Any = self._previous_rates.data, self._previous_torques.data
         self._allocate_maps()
 
     def _allocate_maps(self) -> None:
-        """Lay down s, f and the torques as linear functions of the state, a row for each number.
+        """Allocate s, f and the torques as linear functions of the state, a row for each number.
 
-        Rows, so that what a new mass changes, and what is held, is in one piece.
+        In rows, what a new mass matrix or a reused correction changes is contiguous.
         """
         n = len(self.rates)
         unit = np.eye(n)
-        # s, of a one, u, q and v; only the mass changes it later, and f
+        # s, of a one, u, q and v; later only the mass matrix changes it, and f
         self._spring_map: Array = np.zeros((3 * n + 1, n))
         self._spring_map[0] = self._at_rest
         by_actuation, by_angles, self._spring_by_rates = _blocks(self._spring_map[1:], 3)
@@ -156,13 +156,13 @@ class SpringDamperLaw:
     def refresh(self, mass: Array, refreshes_implicit: bool = True) -> None:
         """Take the joint-space inertia M, shape (n, n), of the present pose.
 
-        D + N and B, of which any is as good as another in the third order, are left as they are
-        unless it `refreshes_implicit` from the one for which they were made.
+        D + N and B may be older, which changes the result only in the third order of the step:
+        they are computed anew only if `refreshes_implicit`.
         """
         if self.integrator == "explicit":
             return
         if self._mass is not None:
-            # f, measured with the old matrix, shall not jump
+            # f, measured with the old matrix, must not jump
             change = self.rates - self._previous_rates
             self._previous_torques += (mass - self._mass).dot(change) / self._step
         self._mass = mass
@@ -175,10 +175,10 @@ class SpringDamperLaw:
         self._is_assembled = False
 
     def _assemble_torque_map(self) -> None:
-        """Make the one product of the present mass, which is worth it where it serves for long."""
+        """Assemble the one matrix for the present M; it pays where it serves several steps."""
         assert self._mass is not None, "refresh comes first"
         by_actuation, by_angles, by_rates, by_previous, by_torques = self._map_blocks
-        # transposed, and so the other way round: B (M + B)⁻¹ and 1 - B (M + B)⁻¹
+        # transposed, so in reverse order: B (M + B)⁻¹ and 1 - B (M + B)⁻¹
         share = self._response.dot(self._implicit, by_torques)
         rest = np.subtract(self._unit, share, by_actuation)
         np.multiply(self._negative_stiffness, rest, by_angles)
@@ -188,7 +188,7 @@ class SpringDamperLaw:
         self._is_assembled = True
 
     def set_force(self, force: Array, bias: Array | None = None) -> None:
-        """Take f, the generalised force on the joints that is not ours, as the last step's.
+        """Set f, the generalised force on the joints beside the law's, as that of the last step.
 
         `bias` holds the bias forces at the rates for which `force` was measured.
         """
@@ -197,7 +197,7 @@ class SpringDamperLaw:
         self.bias = bias
 
     def measured_force(self, bias: Array) -> Array:
-        """Return f as it was in the last step, shape (n,), but for the present bias forces."""
+        """Return f of the last step, shape (n,), with the present bias forces."""
         assert self._mass is not None, "refresh comes first"
         force: Array = self._force_state.dot(self._force_map)
         if self.bias is not None:
@@ -205,10 +205,11 @@ class SpringDamperLaw:
         return force
 
     def reuse(self, bias_decrease: Array, growth: Array, steps: int) -> None:
-        """Carry the last correction on for the steps to come, as `make_reuse` does them.
+        """Extrapolate the last correction over the coming steps, which `make_reuse` applies.
 
-        `bias_decrease` is how much the bias forces bias_decrease in so many steps, shape (n,): the measured force is
-        a step old, too large by what they bias_decrease in one. `growth` is how much the correction grows.
+        `bias_decrease` is the decrease of the bias forces over so many steps, shape (n,): the
+        measured force is a step old, and too large by a step's share of it. `growth` is the change
+        of the correction over the steps.
         """
         if not self._is_assembled:
             self._assemble_torque_map()
@@ -221,10 +222,10 @@ class SpringDamperLaw:
         self._growth_per_step, self.state[0] = 1 / steps, 0.0
 
     def make_reuse(self, apply: Callable[[list[float]], None]) -> Callable[[], None]:
-        """Return the function that applies the torques of the expected step in most steps.
+        """Return the function that applies the torques of the coming step in most steps.
 
-        After each new mass, `reuse` comes before it. All names are bound here, because this is where
-        a run spends its time.
+        Call `reuse` first after each new mass matrix. All names are bound, because a run spends its
+        time here.
         """
         law, dot, to_torques = self, self.state.dot, self._torque_map
         torques, tolist = self._torques, self._torques.tolist
@@ -245,7 +246,7 @@ class SpringDamperLaw:
         return apply_reused
 
     def correct(self, bias: Array, bias_at: Callable[[Array], Array]) -> list[float]:
-        """Return the torques for the expected step, with Coriolis forces at the right instant.
+        """Return the torques of the coming step, with Coriolis forces at the right instant.
 
         `bias` holds the bias forces at the present angles and rates, shape (n,), and
         `bias_at(rates)` gives them at other rates.
@@ -254,7 +255,7 @@ class SpringDamperLaw:
         rates, torques = self.rates, self._torques
         own = self._spring_state.dot(self._spring_map)
         acceleration = self._response.dot(self.measured_force(bias) + own)
-        # a joint that presses on its limit is not about to move, whatever presses it
+        # a joint pressed on its limit is not about to move
         limit_torques = self._limit_torques(acceleration)
         expected = (
             acceleration

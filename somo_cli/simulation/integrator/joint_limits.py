@@ -1,9 +1,9 @@
-"""Joint limits within the implicit laws: the torques with which joints stop where they must.
+"""Joint limits within the implicit law: torques that stop joints at their limits.
 
-The engine stops a joint only once it is beyond its limit, and the law would take the blow for a
-force that lasts: in the next step it would push back by B (M + B)⁻¹ of it, into the limit, and
-several stiff joints together overran their limits by more than half a radian. So the law looks
-ahead and has the joints stop by a torque of its own, which is part of what it applies.
+The engine stops a joint only once it is beyond its limit. The law would take that impact for a
+lasting force and, in the next step, push the joint back into the limit by B (M + B)⁻¹ of it;
+several stiff joints together overran their limits by more than half a radian. So the law predicts
+which joints would pass their limits and stops them by a torque of its own.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ import numpy as np
 from somo_cli.arrays import Array
 from somo_cli.manipulator.chain import Joint
 
-LIMIT_ERP = 0.2  # of how far a joint is beyond its limit, in each step; as the engine's own
-BLOCK_PIVOTS = 8  # at once, before they are taken one by one, which cannot go round in circles
+LIMIT_ERP = 0.2  # share of a violation that is corrected in each step, as the engine does
+BLOCK_PIVOTS = 8  # rounds of block pivoting before single pivots, which always terminate
 
 
 class JointLimits:
@@ -28,7 +28,7 @@ class JointLimits:
         self.upper: Array = np.where(limited, [joint.upper for joint in joints], np.inf)
 
     def clearance(self, angles: Array) -> float:
-        """Return how far the joint that is nearest to a limit is from it [rad]."""
+        """Return the least distance of a joint from a limit [rad]."""
         return float(np.minimum(self.upper - angles, angles - self.lower).min())
 
     def torques(
@@ -36,8 +36,8 @@ class JointLimits:
     ) -> Array | None:
         """Return the torques on joints that would pass their limits in this step, else None.
 
-        `acceleration` is what the law would do without, and `response`, (n, n), what it adds to
-        that for torques. They are the least that hold, and push inwards only.
+        `acceleration` is that of the law without limits, shape (n,), and `response`, shape (n, n),
+        the acceleration per torque. The torques are the least that hold, and push inwards only.
         """
         above, below = self.upper - angles, self.lower - angles
         coming = time_step * (rates + time_step * acceleration)
@@ -50,7 +50,7 @@ class JointLimits:
 
 
 def limit_torques(acceleration: Array, response: Array, lowest: Array, highest: Array) -> Array:
-    """Return torques t, (n,), that bring a + R t between two bounds and act at bounds only.
+    """Return torques t, shape (n,), that bring a + R t between two bounds and act only at bounds.
 
     R is positive definite, so there is one answer. By pivoting: Cottle, Pang, Stone, The Linear
     Complementarity Problem (1992), ch. 4.2.

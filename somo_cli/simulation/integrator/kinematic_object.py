@@ -1,4 +1,4 @@
-"""An object that is moved: it follows its path, whatever it meets."""
+"""An object with prescribed motion: it follows its path, whatever it touches."""
 
 from __future__ import annotations
 
@@ -16,7 +16,10 @@ from somo_cli.simulation.plan.model import Plan, PlannedObject
 
 
 class KinematicObjectStepper:
-    """One moved object; `world_object` is what the engine has of it, `contact_force` tells the force on it."""
+    """Steps one object along its path.
+
+    `contact_force` returns the contact force on it and its sum of normal forces.
+    """
 
     def __init__(
         self,
@@ -33,20 +36,20 @@ class KinematicObjectStepper:
         self._time = -1.0
         self._goal = path.at(0.0)
         self._velocity: Array = np.zeros(6)
-        self._steps_at_rest = 0  # that were told, in a row
+        self._steps_at_rest = 0  # in a row
         self._work_bound = MotionWorkBound(plan, planned.rigid_object.chain)
         self._energy_bound = 0.0
 
     def actuate(self, time: float) -> None:
         """Have the object follow its path in the step that starts at a time [s]."""
-        if time != self._time:  # time zero comes twice: the start is tried before the run
+        if time != self._time:  # time zero comes twice: the start takes trial steps
             goal = self._path.at(time + self._step)
             velocity = self._velocity_between(self._goal, goal)
             self._work_bound.advance(self._velocity, velocity)
             self._time, self._goal, self._velocity = time, goal, velocity
             self._steps_at_rest = 0 if velocity.any() else self._steps_at_rest + 1
-        # the first step at rest makes good what the last move missed; told so anew, an object at
-        # rest would be moved by rounding, wherever a row happens to fall
+        # the first step at rest makes up for the rounding of the last move; setting the pose of an
+        # object at rest again would move it by rounding, depending on where rows fall
         if self._steps_at_rest < 2:
             self._object.move_to(self._goal, self._step)
         elif self._steps_at_rest == 2:
@@ -59,7 +62,7 @@ class KinematicObjectStepper:
         return self._path.stationary_until(time, self._step)
 
     def energy_bound(self) -> float:
-        """Return a bound on the energy that the object can have given by now."""
+        """Return an upper bound on the energy that the object has put in so far."""
         self._energy_bound += self._work_bound.contact_work(self._contact_force())
         return self._energy_bound
 

@@ -1,6 +1,6 @@
 """How implicit the spring-damper law is: D + N and B, chosen mode by mode for an inertia.
 
-`springs` has the formulas and where they come from.
+`implicit_law` has the formulas and their sources.
 """
 
 from __future__ import annotations
@@ -11,20 +11,20 @@ from somo_cli.arrays import Array, invert
 from somo_cli.scene.model import Integrator
 from somo_cli.simulation.plan.joint_springs import JointSprings
 
-BETA = 1 / 12  # of the spring in modes that the step resolves; Cowell's method
-STIFF_BETA = 5 / 12  # what is added to it in modes that the step does not resolve: 1/2 in all
+BETA = 1 / 12  # β of the spring in modes that the step resolves; Cowell's method
+STIFF_BETA = 5 / 12  # added to it in modes that the step does not resolve, 1/2 in all
 PADE_COEFFICIENT = 1 / 12  # of x² in B: Padé
-FILTER_EPSILON = 0.02  # ε: modes with h ω beyond 1/√ε are damped by the method
+FILTER_EPSILON = 0.02  # ε: the method damps modes with h ω beyond 1/√ε
 
 
 class ModeCoefficients:
-    """Makes D + N and B; `damping` is D, `constant_implicit` what of B no inertia changes, both (n, n)."""
+    """Computes D + N and B; `damping` is D, `constant_implicit` the part of B without inertia."""
 
     def __init__(self, springs: JointSprings, time_step: float, integrator: Integrator) -> None:
         self._springs = springs
         self._time_step = time_step
         self._integrator = integrator
-        # as an array, which numpy multiplies by in half of the time that it takes to read a number
+        # an array: numpy multiplies by it in half the time that it takes to read a float
         self._half_step: Array = np.array(0.5 * time_step)
         self._gravity: tuple[Array, Array] | None = None  # of D + N and of B; None if resolved
         self._prepare()
@@ -32,7 +32,7 @@ class ModeCoefficients:
     def matrices(self, mass: Array) -> tuple[Array, Array]:
         """Return D + N [N·m·s/rad] and B [kg·m²] for an inertia M, all of shape (n, n)."""
         if self._integrator == "implicit":
-            # the two resolvents at once, because numpy's calls cost more than their work
+            # both resolvents at once: a call of numpy costs more than its work
             resolvents = invert(mass + self._inverse_offsets)
             resolvents *= self._outer_products
             numerical, stiff = resolvents

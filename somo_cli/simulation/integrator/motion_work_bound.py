@@ -1,6 +1,6 @@
-"""What a prescribed motion can have put in, of which there is no limit but what it did.
+"""Upper bound on the energy that a prescribed motion has added.
 
-The watch must not take it for divergence, and must not be blinded by it.
+The divergence monitor must neither take that energy for divergence nor overlook divergence for it.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from somo_cli.simulation.plan.model import Plan
 
 
 class MotionWorkBound:
-    """Bounds on the energy that one moved frame has put in since it was last asked; engine units.
+    """Bounds on the energy that one prescribed frame has added since the last call; engine units.
 
-    `reach` is how far a point that the frame leads can be from its origin.
+    They depend on the largest distance of a point that moves with the frame from its origin.
     """
 
     def __init__(self, plan: Plan, chain: Chain) -> None:
@@ -40,7 +40,7 @@ class MotionWorkBound:
         self._was_in_contact = False
 
     def advance(self, before: Array, after: Array) -> None:
-        """Take the velocity, (6,), spin first, of the last step and of the coming one."""
+        """Advance by a step: velocities of the last and the next, shape (6,), angular first."""
         spin = float(np.linalg.norm(after[:3]))
         speed = float(np.linalg.norm(after[3:])) + self._reach * spin
         change = after - before
@@ -52,10 +52,11 @@ class MotionWorkBound:
         self._max_speed = max(self._max_speed, speed)
 
     def frame_work(self, energy: float) -> float:
-        """Return what acceleration and the turning of gravity can have done in the moved frame.
+        """Return the most work that inertia and gravity can have done in the prescribed frame.
 
-        `energy` is the most that the joints had there meanwhile. With speeds v_i in the frame and
-        no point accelerated by more than a, the power is at most sum m_i a v_i <= a sqrt(2 m E):
+        `energy` is the largest energy of the joints in that frame meanwhile. With speeds v_i in the
+        frame and no point accelerated by more than a, the power is at most sum m_i a v_i <= a
+        sqrt(2 m E):
         Cauchy and Schwarz. Coriolis forces do no work.
         """
         work = self._velocity_change * math.sqrt(2 * self._mass * energy)
@@ -65,10 +66,11 @@ class MotionWorkBound:
         return work + gravity_work
 
     def contact_work(self, force: Sequence[float]) -> float:
-        """Return what the frame can have done by pushing: force, and sum of normal forces.
+        """Return the most work that the frame can have done by contact.
 
-        That is force times way; and whenever contact begins, what it takes to throw all there is
-        ahead at twice the speed, since a blow may fall between two looks.
+        `force` has three components and the sum of normal forces. The work is force times path
+        length. Whenever contact begins, it is also the energy of all masses
+        thrown ahead at twice the speed, since an impact may fall between two checks.
         """
         x, y, z, normal = force
         contact_force = math.hypot(x, y, z) + normal
@@ -81,7 +83,7 @@ class MotionWorkBound:
 
 
 def _reach(chain: Chain) -> float:
-    """Return how far from the base frame's origin any point of the chain can be, about."""
+    """Return about how far from the base frame's origin a point of the chain can be."""
     far = 0.0
     for way, link in zip(ways(chain), chain.links, strict=True):
         xx, _, _, yy, _, zz = link.inertial.inertia

@@ -28,7 +28,7 @@ class PrescribedBaseStepper(BodyStepper):
     The base is where its path says at every step, so its velocity at half steps is the difference
     of two poses over the step, and its acceleration that of two velocities. Both are known before
     the step: what the joints feel of them need not be measured, it is part of the bias. The body
-    starts with the velocity of its path. `contact_force` tells the force of all that touches the body.
+    starts with the velocity of its path. `contact_force` returns the contact force on the body.
     """
 
     def __init__(

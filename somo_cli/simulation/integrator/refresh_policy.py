@@ -1,4 +1,4 @@
-"""How often what a body is followed by is renewed: its inertia, and the correction of the law."""
+"""When the mass matrix and the Coriolis correction are refreshed."""
 
 from __future__ import annotations
 
@@ -8,42 +8,45 @@ import numpy as np
 
 from somo_cli.arrays import Array
 
-SLOW_REFRESH = 0.03  # rad: the mass matrix is renewed once the joints have moved this far, as the
-FAST_REFRESH = 0.015  # root of the sum of squares over the joints
-STALENESS = 0.25  # what a renewal may change of the inertia of any motion of the joints, at most
-SLOW_PHASE = 0.2  # rad of the slowest mode between two looks: with larger steps no body is calm
-SLOW_GRAVITY_PHASE = 0.25  # rad of the fastest mode of gravity alone in a step: likewise
-FAST_GRAVITY_PHASE = 1.5  # rad, likewise: with larger steps gravity is in part implicit
-SLOW_STEP_ANGLE = 0.005  # rad per step: a body with a faster joint is not calm
-SLOW_CORRECTION = 3.0  # rad/s²: times the step squared, what holding may cost in a block [rad]
-SLOW_CONTACT_CORRECTION = 12.0  # likewise where bodies can touch: contact costs more
+# Joint motion [rad] after which the mass matrix is refreshed, as the root of the sum of squares
+# over the joints: of a body that moves slowly, and of any other.
+SLOW_REFRESH = 0.03
+FAST_REFRESH = 0.015
+STALENESS = 0.25  # the largest relative change of modal inertia between two refreshes
+# A correction is reused up to these bounds:
+SLOW_PHASE = 0.2  # rad, by which the slowest mode turns between two checks
+SLOW_GRAVITY_PHASE = 0.25  # rad, by which the fastest mode of gravity alone turns in a step
+SLOW_STEP_ANGLE = 0.005  # rad, by which the fastest joint turns in a step
+SLOW_CORRECTION = 3.0  # rad/s²; times the step squared, the error of reuse between two checks [rad]
+SLOW_CONTACT_CORRECTION = 12.0  # rad/s², where bodies can touch, since contact costs more
+FAST_GRAVITY_PHASE = 1.5  # rad in a step, from which on gravity is in part implicit
+
 MONITORING_INTERVAL = 8
-REUSE_STEPS = (
-    MONITORING_INTERVAL,
-    4,
-    2,
-)  # steps for which a correction may be held; where nothing is
-# touched the first alone, since what the others save is less than what they cost in error
+"""Steps from one check of motion to the next."""
+
+# Steps for which a correction may be reused. Where nothing can touch only the first counts: the
+# others save less than they cost in error.
+REUSE_STEPS = (MONITORING_INTERVAL, 4, 2)
 
 
 class RefreshPolicy:
-    """Decides it for one body, from what it is like at the start and how it moves at a look."""
+    """Decides when to refresh one body, from its modes at the start and its motion at a check."""
 
     def __init__(self, time_step: float, can_touch: bool) -> None:
         self.is_gravity_implicit = False
-        """Whether gravity alone would be too fast for the step."""
+        """Whether a mode of gravity alone is too fast for the step."""
         self.refresh_angle = FAST_REFRESH
-        """How far [rad] the joints may move, as above, before the inertia is renewed."""
+        """The joint motion [rad] after which the mass matrix is refreshed."""
         self._step = time_step
-        self._angle_factor = 1.0  # times these angles, where the inertia changes fast
-        self._slowest_mode = self._fastest_gravity_mode = math.inf  # rad/s, where the run starts
+        self._angle_factor = 1.0  # of these angles, less where the inertia changes fast
+        self._slowest_mode = self._fastest_gravity_mode = math.inf  # rad/s, at the start
         self._reuse_options = REUSE_STEPS if can_touch else REUSE_STEPS[:1]
         self._slow_correction = SLOW_CONTACT_CORRECTION if can_touch else SLOW_CORRECTION
 
     def set_modes(self, slowest_mode: float, fastest_gravity_mode: float, change: float) -> None:
-        """Take the slowest mode and the fastest of gravity alone [rad/s] at the start.
+        """Set the slowest mode, and the fastest of gravity alone, at the start [rad/s].
 
-        `change` is what of the inertia of any motion changes, at most, while the joints move by
+        `change` is the largest relative change of modal inertia over a joint motion of
         SLOW_REFRESH.
         """
         self._slowest_mode, self._fastest_gravity_mode = slowest_mode, fastest_gravity_mode
@@ -52,10 +55,10 @@ class RefreshPolicy:
         self.refresh_angle = self._angle_factor * FAST_REFRESH
 
     def reuse_steps(self, change: Array, max_rate: float) -> int:
-        """Return for how many steps a correction may be held, renewed in the next one.
+        """Return for how many steps a correction may be reused; it is refreshed in the next one.
 
-        `change` is by what it changed between two looks, over each joint's inertia [rad/s²], shape
-        (n,), and `max_rate` the rate of the fastest joint [rad/s].
+        `change` is its change between two checks, over each joint's inertia [rad/s²], shape (n,),
+        and `max_rate` the rate of the fastest joint [rad/s].
         """
         if self._step * self._fastest_gravity_mode > SLOW_GRAVITY_PHASE:
             return 1
@@ -63,10 +66,9 @@ class RefreshPolicy:
             self._step * self._slowest_mode,
             self._step * max_rate / self._angle_factor,
         )
-        block = MONITORING_INTERVAL**2  # what a constant force does in one, over the step squared
-        scaled_change = block * math.sqrt(
-            change.dot(change)
-        )  # rad/s²; that of one joint is no more
+        # a constant force moves a joint by this times its acceleration, over the step squared
+        block = MONITORING_INTERVAL**2
+        scaled_change = block * math.sqrt(change.dot(change))  # a bound on the largest of a joint
         if scaled_change > self._slow_correction:
             scaled_change = block * float(np.abs(change).max())
         for steps in self._reuse_options:
@@ -77,6 +79,6 @@ class RefreshPolicy:
         return 1
 
     def set_reuse(self, steps: int) -> None:
-        """Take for how many steps the correction is held until the next look."""
+        """Set for how many steps the correction is reused until the next check."""
         is_slow = steps == MONITORING_INTERVAL
         self.refresh_angle = self._angle_factor * (SLOW_REFRESH if is_slow else FAST_REFRESH)

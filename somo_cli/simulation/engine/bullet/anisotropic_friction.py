@@ -48,10 +48,10 @@ class AnisotropicFriction:
     ) -> Array:
         """Return the friction on each point, shape (p, 3), in the world, and remember its springs.
 
-        `local_points` are the points in the axes of their links, by which they are found again, `normals`
-        and `slip_velocities` their normals and relative velocities in the world, `limits` the coefficient
-        times the normal force, `masses` what a spring has to move; `factors` (p, 3, 3) the matrices
-        S in the world.
+        `local_points` are the points in the axes of their links, by which they are found again,
+        `normals` and `slip_velocities` their normals and relative velocities in the world, `limits`
+        the coefficient times the normal force, `masses` what a spring has to move; `factors`,
+        shape (p, 3, 3), the matrices S in the world.
         """
         spring_forces = self._matched_springs(keys, local_points)
         sliding = slip_velocities - _normal_parts(slip_velocities, normals)
@@ -83,7 +83,7 @@ class AnisotropicFriction:
         self._local_points = self._spring_forces = np.zeros((0, 3))
 
     def _matched_springs(self, keys: Sequence[ContactKey], local_points: Array) -> Array:
-        """Return what each spring spring_forces, that of the nearest point of the same two links."""
+        """Return the force of each spring: that of the nearest point of the same two links."""
         if not self._keys or not keys:
             return np.zeros_like(local_points)
         differences = local_points[:, None, :] - self._local_points[None, :, :]

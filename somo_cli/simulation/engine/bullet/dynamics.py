@@ -112,8 +112,8 @@ class BulletDynamics:
 
         Shape (n,), the joint torques, with the base at rest; for a free base (6 + n,), with the
         torque and the force on its centre of mass first, in its own axes. `spin` [rad/s] is the
-        angular velocity in the world of a base that can move, `centre` its `base_inertial_pose`, for who
-        has asked already. The gravity is that of the start pose of the base, which makes no
+        angular velocity in the world of a base that can move, `centre` its `base_inertial_pose`, if
+        that is known already. The gravity is that of the start pose of the base, which makes no
         difference to what the joints of a free body feel.
         """
         if self._is_static_upright:

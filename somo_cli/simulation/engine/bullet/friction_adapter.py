@@ -77,7 +77,7 @@ class InertialPoses:
 class PoseHistory:
     """The poses of links now, a step ago and two steps ago.
 
-    How fast points move is reported from these, not from the velocities that the engine gives of links.
+    Velocities of points come from these, not from the velocities that the engine gives of links.
     Seen in 3.2.7: it steps velocities first, so these are those of half a step ago, but at the
     angles of now. What a link on a chain does is then off by h / 2 times its centripetal
     acceleration, more the farther it is from the base: the crawling snake was 3.8 % faster, at
