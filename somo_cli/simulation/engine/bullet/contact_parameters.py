@@ -9,7 +9,8 @@ from somo_cli.scene.contact_surface import ContactSurface
 from somo_cli.simulation.plan.model import Plan
 
 REBOUND_GAP = 5e-5  # m: how near surfaces must be for the engine to let them collide
-DEFAULT_GAP = 0.02  # engine units: the engine's own
+DEFAULT_GAP = 0.02  # share of the size of the smaller body; the engine's own
+SOFT_GAP = 0.2  # share of the size of the smaller body, where the ground gives way
 REBOUND_ERP = 0.02  # share of a depth that is undone in a step
 REBOUND_STEPS = 2.0  # a slower approach than gravity's in so many steps is no impact
 
@@ -41,10 +42,16 @@ def contact_parameters(plan: Plan) -> Mapping[str, float]:
     of its speed, and one that rests goes on hopping if gravity gives it more than a
     threshold of 0.2 engine units per second in a step. So bodies collide when they touch, are
     pushed out slowly, and come to rest below a threshold that goes with the step.
+
+    The gap also decides how near a new contact point must be to an old one to replace it, and how
+    far an old one may lag behind a body that slides. With the engine's own gap, a body that rolls
+    on soft ground leaves old points behind, which go on to press (see `rolling_adapter`), and one
+    that slides flat loses them at once and stands on one: a disc without friction tilted by 27
+    degrees.
     """
     if not any(surface.restitution for surface in plan.surfaces):
         # seen in 3.2.7: this one is shared by all engines of a process, so none may be left out
-        return {"contactBreakingThreshold": DEFAULT_GAP}
+        return {"contactBreakingThreshold": SOFT_GAP if has_soft_ground(plan) else DEFAULT_GAP}
     return {
         "contactBreakingThreshold": REBOUND_GAP * plan.scale.length,
         "contactERP": REBOUND_ERP,
@@ -52,3 +59,9 @@ def contact_parameters(plan: Plan) -> Mapping[str, float]:
         * geometry.norm(plan.gravity)
         * plan.time_step,
     }
+
+
+def has_soft_ground(plan: Plan) -> bool:
+    """Whether contact with the ground has a finite stiffness."""
+    ground = plan.ground
+    return ground is not None and any(one.compliance for one in (ground.surface, *plan.surfaces))

@@ -136,7 +136,7 @@ class FrictionAdapter:
             if one.surface.friction_anisotropy is not None
         }
 
-    def apply_friction(self) -> None:
+    def apply(self) -> None:
         """Apply the friction for the coming step to all that touch."""
         contacts = list(self._contacts())
         self.applied = []

@@ -14,9 +14,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from somo_cli.manipulator.geometry import Matrix
 from somo_cli.problems import EngineRefused
-from somo_cli.scene.contact_surface import ContactSurface, Ground
+from somo_cli.scene.contact_surface import Ground
 from somo_cli.simulation.engine.bullet import collision_filter, contact_parameters
 from somo_cli.simulation.engine.bullet.body import BulletBody
 from somo_cli.simulation.engine.bullet.c_stdio import (
@@ -26,9 +25,9 @@ from somo_cli.simulation.engine.bullet.c_stdio import (
     flush_c,
 )
 from somo_cli.simulation.engine.bullet.client import import_pybullet
-from somo_cli.simulation.engine.bullet.friction_adapter import FrictionAdapter, FrictionLink
 from somo_cli.simulation.engine.bullet.kinematic import KinematicObject, PrescribedBody
 from somo_cli.simulation.engine.bullet.rigid_object import BulletObject
+from somo_cli.simulation.engine.bullet.step_corrections import StepCorrections
 from somo_cli.simulation.engine.contacts import ContactPoint, LinkIndex, friction_contact
 from somo_cli.simulation.plan.model import Plan
 
@@ -55,7 +54,7 @@ class BulletWorld:
         self._ground_indices: list[int] = []
         self._contact_count = 0  # of contact, when last looked at
         self._iterations = collision_filter.MAX_ITERATIONS
-        self._friction: FrictionAdapter | None = None  # where friction depends on the direction
+        self._corrections: StepCorrections | None = None
 
     def __enter__(self) -> BulletWorld:
         """Load every body; until `close`, what the engine prints goes to standard error."""
@@ -114,8 +113,8 @@ class BulletWorld:
             )
             for one in reported
         ]
-        if self._friction is not None:
-            for key, point, force in self._friction.applied:
+        if self._corrections is not None:
+            for key, point, force in self._corrections.applied:
                 found.append(friction_contact(places[key[:2]], places[key[2:]], point, force))
         return found
 
@@ -124,6 +123,8 @@ class BulletWorld:
         places = self._link_indices
         reported = self._bullet.getContactPoints(physicsClientId=self._client)
         self._contact_count = len(reported)
+        if self._corrections is not None:
+            self._corrections.check(reported)
         return [
             (places[one[1], one[3]], places[one[2], one[4]], -gap)
             for one in reported
@@ -201,8 +202,10 @@ class BulletWorld:
         self._ground_indices = [] if ground is None else [ground]
         self._disable_fixed_collisions()
         self._index_links()
-        if any(surface.friction_anisotropy is not None for surface in self._plan.surfaces):
-            self.step = self._with_anisotropic_friction(self.step, ground)
+        self._corrections = StepCorrections(
+            self._bullet, self._client, self._plan, self.bodies, self.objects, ground
+        )
+        self.step = self._corrections.before(self.step)
 
     def _index_links(self) -> None:
         for number, body in enumerate(self.bodies):
@@ -229,32 +232,6 @@ class BulletWorld:
                 collision_filter.disable_collisions(
                     self._bullet, self._client, body.index, body.links
                 )
-
-    def _with_anisotropic_friction(
-        self, step: Callable[[], object], ground: int | None
-    ) -> Callable[[], object]:
-        """Return a step before which friction that depends on the direction is applied."""
-        found: list[tuple[int, int, ContactSurface, Matrix | None]] = []
-        for body, planned in zip(self.bodies, self._plan.bodies, strict=True):
-            found += [
-                (body.index, link, planned.surfaces.of_link(number, planned.chain), None)
-                for number, link in enumerate(body.links)
-            ]
-        for rigid_object, of_object in zip(self.objects, self._plan.objects, strict=True):
-            found.append(
-                (rigid_object.index, -1, of_object.rigid_object.surface, rigid_object.axes)
-            )
-        if ground is not None and self._plan.ground is not None:
-            found.append((ground, -1, self._plan.ground.surface, None))
-        links = [FrictionLink.of(self._bullet, self._client, *one) for one in found]
-        self._friction = FrictionAdapter(self._bullet, self._client, self._plan.time_step, links)
-        apply_friction = self._friction.apply_friction
-
-        def step_with_friction() -> None:
-            apply_friction()
-            step()
-
-        return step_with_friction
 
     def _add_ground(self, ground: Ground) -> int:
         # seen in 3.2.7: on a plane (GEOM_PLANE) a sliding box stands on one or two points and

@@ -1,0 +1,82 @@
+"""Findings on soft ground: bodies that may gain energy, since springs under a face act late.
+
+In each step the engine finds one contact point between the ground and a cylinder or a mesh, the
+deepest. The other springs under a face act only once they are as deep as the first, and each adds
+half its stiffness times that depth squared. `make sliding` measures the gain: a fifth of what the
+body had for cylinders that land, more than half for meshes. More damping helps, a smaller step does
+not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from somo_cli.document.parse import Document
+from somo_cli.manipulator.chain import Link
+from somo_cli.manipulator.round_solids import Capsule
+from somo_cli.manipulator.solids import Box, Sphere
+from somo_cli.problems import Pointer, Problem
+from somo_cli.scene.contact_surface import ContactSurface
+from somo_cli.scene.model import read_scene
+from somo_cli.scene.round_body import round_body_of
+
+
+def soft_ground_problems(document: Document) -> Iterator[Problem]:
+    """Yield a warning for each free body that may gain energy, of a scene without errors."""
+    data: Any = document.data
+    if "ground" not in data or not _has_key(data, "contact_stiffness"):
+        return  # most scenes need not be read for this
+    scene = read_scene(document)
+    assert scene.ground is not None
+    ground = scene.ground.surface
+    for index, one in enumerate(scene.manipulators):
+        links = one.compiled.chain.links
+        if one.base == "free" and _is_soft(ground, *one.surfaces.all) and _act_late(links):
+            yield _finding(document, ("manipulators", index), one.name)
+    for index, rigid_object in enumerate(scene.objects):
+        is_free = not rigid_object.has_prescribed_pose
+        links = rigid_object.chain.links
+        if is_free and _is_soft(ground, rigid_object.surface) and _act_late(links):
+            yield _finding(document, ("objects", index), rigid_object.name)
+
+
+def _has_key(data: Any, key: str) -> bool:
+    """Whether a mapping anywhere in the data has a key."""
+    if isinstance(data, Mapping):
+        return key in data or any(_has_key(value, key) for value in data.values())
+    return isinstance(data, list) and any(_has_key(value, key) for value in data)
+
+
+def has_prompt_springs(link: Link) -> bool:
+    """Whether every point on which a link may stand is found in every step.
+
+    That holds for boxes, and for balls, capsules and round links with such ends, whose faces touch
+    nothing.
+    """
+    solids = [shape.solid for shape in link.shapes]
+    if all(isinstance(solid, Box) for solid in solids):
+        return True
+    return round_body_of(link) is not None and any(
+        isinstance(one, Sphere | Capsule) for one in solids
+    )
+
+
+def _is_soft(*surfaces: ContactSurface) -> bool:
+    return any(surface.compliance is not None for surface in surfaces)
+
+
+def _act_late(links: tuple[Link, ...]) -> bool:
+    return not all(has_prompt_springs(link) for link in links)
+
+
+def _finding(document: Document, at: Pointer, name: str) -> Problem:
+    return Problem(
+        document.span(at),
+        f"'{name}' has faces that are no box's, and may gain energy where it lands or rocks on "
+        "soft ground: springs under a face act late",
+        "raise contact_damping, make it of boxes, balls or capsules, or leave out "
+        "contact_stiffness",
+        "warning",
+        "late-springs",
+    )
