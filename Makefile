@@ -19,7 +19,7 @@ ifneq ($(PYTHON),$(shell cat $(READY) 2>/dev/null))
 endif
 endif
 
-.PHONY: all help sync demo test test-fast test-all check format map golden bench truth contact sliding objects extreme studies build clean
+.PHONY: all help sync demo test test-fast test-all check format map golden bench truth contact grasp sliding objects extreme studies build clean
 .DELETE_ON_ERROR:
 
 all: help
@@ -106,6 +106,9 @@ contact: sync ## hold contact against converged references, over laws, cases and
 
 sliding: sync ## slide bodies in every direction, and lay them on soft ground (minutes)
 	$(RUN) tests.sliding
+
+grasp: sync ## hold grasps against converged ones, over masses, damping, shapes and steps (minutes)
+	$(RUN) tests.grasp
 
 extreme: sync ## run stiff and extreme cases (minutes), and compare with the matrix of before
 	$(RUN) tests.extreme

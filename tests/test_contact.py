@@ -105,11 +105,10 @@ def test_a_snake_that_falls_on_its_end_takes_up_no_energy() -> None:
     assert energy[-1] < 0.9 * energy[0]
 
 
-@pytest.mark.parametrize("step", [4e-3, 2e-3])
-def test_a_snake_that_is_thrown_up_by_its_fall_is_noticed(step: float) -> None:
+def test_a_snake_that_is_thrown_up_by_its_fall_is_noticed() -> None:
     """Though it flies away as a whole, faster than its joints move."""
     with pytest.raises(SimulationDiverged, match="times what was put in"):
-        recorded(snake_that_falls_on_its_end(), step)
+        recorded(snake_that_falls_on_its_end(), 4e-3)
 
 
 @pytest.mark.slow
@@ -134,9 +133,9 @@ def test_no_filter_of_the_measured_force_is_worth_it(candidate: Candidate) -> No
     assert 0.9 * own < other
 
 
-def test_dampers_far_above_the_inertia_make_a_sliding_finger_shake_at_large_steps() -> None:
-    """A known limit, and its size."""
-    assert 1e-3 < shake(PLAIN, 300, 2e-3) < 3e-2
+def test_dampers_far_above_the_inertia_let_a_sliding_finger_shake_but_little() -> None:
+    """By 1e-3 rad and more at 2 ms while the law answered contact a step late."""
+    assert shake(PLAIN, 300, 2e-3) < 5e-4
     assert shake(PLAIN, 300, 5e-4) < 1e-4
     assert shake(PLAIN, 30, 2e-3) < 1e-4
 

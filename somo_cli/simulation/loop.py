@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TypeAlias
 
 from somo_cli.simulation.engine.interface import World
 from somo_cli.simulation.integrator.body_stepper import BodyStepper
+from somo_cli.simulation.integrator.contact_prediction import ContactPrediction
 from somo_cli.simulation.integrator.kinematic_object import KinematicObjectStepper
 from somo_cli.simulation.integrator.refresh_policy import MONITORING_INTERVAL
 from somo_cli.simulation.monitoring.contact_events import ContactMonitor
@@ -40,6 +42,12 @@ class SimulationLoop:
         self._counts = [body_stepper.count_step_work for body_stepper in body_steppers]
         self._assembler = assembler
         self._contact_monitor = contact_monitor
+        is_foreseen = plan.can_touch and plan.integrator != "explicit"
+        self._prediction = (
+            ContactPrediction(plan, world, world.contact_reader(), body_steppers)
+            if is_foreseen
+            else None
+        )
 
     def actuate(self, step: int) -> None:
         """Set what acts in the step that starts at this one."""
@@ -100,6 +108,8 @@ class SimulationLoop:
 
     def _applies(self, step: int) -> list[Callable[[], None]]:
         """Return what applies the torques of a step, chosen anew at every monitoring interval."""
+        if self._prediction is not None:
+            return [partial(self._prediction.apply, step % MONITORING_INTERVAL == 0)]
         if step % MONITORING_INTERVAL == 0:
             return [body_stepper.apply_at_check for body_stepper in self._body_steppers]
         return [body_stepper.apply_torques for body_stepper in self._body_steppers]

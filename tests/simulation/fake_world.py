@@ -12,6 +12,13 @@ from somo_cli.manipulator.geometry import ZERO, Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.engine.contacts import ContactPoint, LinkIndex
 from somo_cli.simulation.engine.interface import WorldObject
+from somo_cli.simulation.engine.pressing import (
+    ContactPair,
+    ContactReader,
+    Pair,
+    PressingForces,
+    PressingPoints,
+)
 from somo_cli.simulation.plan.model import Body, Plan, make_plan
 from tests.loading import scene_from_text
 from tests.manipulator.bodies import actuator, hinge, manipulator
@@ -106,6 +113,21 @@ class FakeBody:
         self.angles, self.rates = np.array(angles), np.array(rates)
 
 
+class NothingNear:
+    """Reads the contact points of a world that has none."""
+
+    recovery = 0.0
+
+    def pressing(self) -> PressingForces | None:
+        return None
+
+    def points(self) -> PressingPoints:
+        raise AssertionError("nothing presses")
+
+    def pair(self, pair: Pair) -> ContactPair:
+        raise AssertionError("nothing touches")
+
+
 class FakeWorld:
     """Calls `at_step[n]` after its n-th step; `rates` are those of the first body after each."""
 
@@ -123,6 +145,9 @@ class FakeWorld:
 
     def penetrations(self) -> Sequence[tuple[LinkIndex, LinkIndex, float]]:
         return self.depths
+
+    def contact_reader(self) -> ContactReader:
+        return NothingNear()
 
     def adapt_solver_iterations(self) -> None:
         """Have no solver."""

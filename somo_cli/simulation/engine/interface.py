@@ -9,6 +9,7 @@ from somo_cli.arrays import Array
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.engine.contacts import ContactPoint, LinkIndex
+from somo_cli.simulation.engine.pressing import ContactReader
 
 
 class WorldBody(Protocol):
@@ -74,6 +75,22 @@ class WorldObject(Protocol):
     def velocity(self) -> tuple[Vector, Vector]:
         """Return the velocity of its centre and its angular velocity, in the world."""
 
+    def mobility(self) -> tuple[Vector, Array]:
+        """Return its centre of mass and the inverse of its inertia, (6, 6), in the world.
+
+        Angular, then linear; zero if it cannot yield.
+        """
+
+
+class WorldFreeBody(WorldBody, Protocol):
+    """What a run needs of a body whose base is free."""
+
+    def base_response(self) -> tuple[Array, Array]:
+        """Return the inverse M_b⁻¹ of the base's inertia, and M_jb M_b⁻¹, (6, 6) and (n, 6).
+
+        Of the last `mass_matrix`, in the base's own axes: angular, then linear.
+        """
+
 
 class WorldPrescribedBody(WorldBody, Protocol):
     """What a run needs of a body whose base is moved."""
@@ -117,6 +134,9 @@ class World(Protocol):
 
     def penetrations(self) -> Sequence[tuple[LinkIndex, LinkIndex, float]]:
         """Return which parts were how deep in each other in the last step; depths above 0 only."""
+
+    def contact_reader(self) -> ContactReader:
+        """Return what reads the contact points that press."""
 
     def adapt_solver_iterations(self) -> None:
         """Let the solver take as many iterations as pay with what `penetrations` saw last."""

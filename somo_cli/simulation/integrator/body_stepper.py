@@ -83,6 +83,7 @@ class BodyStepper:
         self._at_check: tuple[Array, Array] | None = None  # correction and bias at the last check
         self._last_correction = np.zeros(0), np.zeros(0)  # correction and bias of the last refresh
         self._steps_reused = self._steps_left = 1
+        self._waits = False  # whether torques that are worked out wait for `finish`
         self._apply_variants = {1: self._apply_refreshed, MONITORING_INTERVAL: self._apply_reused}
         self._apply_variants |= {steps: self._apply_alternating for steps in REUSE_STEPS[1:]}
         self._limit_torques = partial(
@@ -201,7 +202,10 @@ class BodyStepper:
         """Reuse the correction, and refresh it in every second or fourth step."""
         self._steps_left -= 1
         if self._steps_left:
-            self._apply_reused()
+            if self._waits:
+                self.law.predict_held()
+            else:
+                self._apply_reused()
             return
         self.refresh_if_moved()
         law, (correction, bias), steps = self.law, self._last_correction, self._steps_reused
@@ -215,10 +219,32 @@ class BodyStepper:
         self._apply_corrected()
 
     def _apply_corrected(self) -> None:
+        self._predict_corrected()
+        if not self._waits:
+            self._finish_corrected()
+
+    def _predict_corrected(self) -> None:
         angles, world = self.law.angles.tolist(), self.world_body
         present = world.bias(angles, self.law.rates.tolist())
-        torques = self.law.correct(present, lambda rates: world.bias(angles, rates.tolist()))
-        world.apply(torques)
+        self.law.predict(present, lambda rates: world.bias(angles, rates.tolist()))
+
+    def _finish_corrected(self, change: Array | None = None) -> None:
+        self.world_body.apply(self.law.settle(change))
+
+    def predict(self, is_check: bool) -> None:
+        """Compute torques as `apply_at_check` or `apply_torques` do, to be applied by `finish`."""
+        self._waits = True
+        if is_check:
+            self.apply_at_check()
+        elif self.apply_torques == self._apply_reused:
+            self.law.predict_held()
+        else:
+            self.apply_torques()
+        self._waits = False
+
+    def finish(self, change: Array | None) -> None:
+        """Apply the torques, with what changes of contact forces add to the acceleration."""
+        self._finish_corrected(change)
 
     def _make_read_state(self) -> Callable[[], None]:
         """Return the function that reads angles and rates from the engine, with bound names."""

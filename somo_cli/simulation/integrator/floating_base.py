@@ -9,6 +9,7 @@ import numpy as np
 from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
+from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.engine.interface import WorldBody
 from somo_cli.simulation.integrator.body_stepper import BodyStepper
 from somo_cli.simulation.integrator.implicit_law import SMOOTH, limited_change
@@ -34,6 +35,7 @@ class FloatingBaseStepper(BodyStepper):
         # of the loads: on the base, in its own axes, and on the joints beyond what the law knows
         self._base_wrench: Array = np.zeros(6)
         self._residual_torques: Array = np.zeros(len(body.chain.joints))
+        self._ahead: tuple[Array, Pose] = np.zeros(0), Pose()  # correction on all, and centre
         super().__init__(plan, body, world_body)
         self._working_torques = self.actuation
 
@@ -93,7 +95,7 @@ class FloatingBaseStepper(BodyStepper):
     def _reuse_steps(self, change: Array) -> int:
         return 1
 
-    def _apply_corrected(self) -> None:
+    def _predict_corrected(self) -> None:
         law, world = self.law, self.world_body
         angles = law.angles.tolist()
         spin_change = self._spin - self._previous_spin
@@ -112,11 +114,15 @@ class FloatingBaseStepper(BodyStepper):
             np.subtract(present, coming, change)
             return world.equivalent_joint_torques(coming)
 
-        torques = law.correct(world.equivalent_joint_torques(present), joint_bias_at)
-        residual_torques = (
-            change[6:] - law.correction
-        )  # of which the law knows what the joints feel
-        wrench = change[:6]
+        law.predict(world.equivalent_joint_torques(present), joint_bias_at)
+        self._ahead = change, centre
+
+    def _finish_corrected(self, change: Array | None = None) -> None:
+        law, world = self.law, self.world_body
+        ahead, centre = self._ahead
+        torques = law.settle(change)
+        residual_torques = ahead[6:] - law.correction  # of which the law knows what the joints feel
+        wrench = ahead[:6]
         if self.loads is not None:
             wrench += self._base_wrench
             residual_torques += self._residual_torques

@@ -110,6 +110,13 @@ class SpringDamperLaw:
         self.detects_impacts = False
         """Whether impacts are to be told from smooth motion."""
         self._last_acceleration: Array | None = None
+        self.predicted: Array = np.zeros(n)
+        """a as `predict` left it, before joint limits and changes of contact forces."""
+        self._own_share: Array | None = None  # s and corrections, likewise
+        self._to_acceleration: Array = np.zeros((5 * n + 2, n))  # of the state, in held steps
+        self._acceleration_of: Array | None = None  # the (M + B)⁻¹ that it was made with
+        self._held_change: tuple[Array, Array] | None = None  # what is held, if it is new
+        self._torques_held: Array = np.zeros(n)
         self._mass: Array | None = None
         self.coefficients = ModeCoefficients(springs, time_step, integrator)
         self._response: Array = np.zeros((n, n))  # (M + B)⁻¹
@@ -219,6 +226,7 @@ class SpringDamperLaw:
         ahead += self.correction
         np.subtract(ahead.dot(rest), lag, self._constant_row)
         growth.dot(rest, self._growth_row)
+        self._held_change = ahead, growth
         self._growth_per_step, self.state[0] = 1 / steps, 0.0
 
     def make_reuse(self, apply: Callable[[list[float]], None]) -> Callable[[], None]:
@@ -251,8 +259,16 @@ class SpringDamperLaw:
         `bias` holds the bias forces at the present angles and rates, shape (n,), and
         `bias_at(rates)` gives them at other rates.
         """
+        self.predict(bias, bias_at)
+        return self.settle()
+
+    def predict(self, bias: Array, bias_at: Callable[[Array], Array]) -> None:
+        """Work out a, and what of the torques does not depend on it; `settle` comes next.
+
+        The arguments are those of `correct`, which does both.
+        """
         assert self._mass is not None, "refresh comes first"
-        rates, torques = self.rates, self._torques
+        rates = self.rates
         own = self._spring_state.dot(self._spring_map)
         acceleration = self._response.dot(self.measured_force(bias) + own)
         # a joint pressed on its limit is not about to move
@@ -272,16 +288,68 @@ class SpringDamperLaw:
         self.correction = bias - bias_at(self._half_step * expected + rates)
         acceleration += self._response.dot(self.correction)
         own += self.correction
-        limit_torques = self._limit_torques(acceleration)
-        if limit_torques is not None:
-            acceleration += self._response.dot(limit_torques)
-            own += limit_torques
-        np.subtract(own, self._implicit.dot(acceleration), torques)
+        self.predicted, self._own_share = acceleration, own
+        self.bias = bias
+
+    def predict_held(self) -> None:
+        """Do as `predict` does, with the correction held as `make_reuse` holds it."""
+        state = self.state
+        state[0] += self._growth_per_step
+        if self._held_change is not None:
+            self._lay_acceleration(*self._held_change)
+            self._held_change = None
+        # τ, not s: at their limits no joints are held
+        self._own_share = None
+        state.dot(self._to_acceleration, self.predicted)
+        state.dot(self._torque_map, self._torques_held)
+        self.bias = None
+
+    def _lay_acceleration(self, ahead: Array, growth: Array) -> None:
+        """Lay down a as a linear function of the state, for corrections that are held."""
+        response, laid = self._response, self._to_acceleration
+        if self._acceleration_of is not response:
+            self._acceleration_of = response
+            by_actuation, by_angles, by_rates, by_previous, by_torques = _blocks(laid[2:], 5)
+            by_actuation[:] = response
+            np.multiply(self._negative_stiffness, response, by_angles)
+            np.add(self._spring_by_rates, self._force_by_rates).dot(response, by_rates)
+            self._force_by_previous.dot(response, by_previous)
+            np.negative(response, by_torques)
+        growth.dot(response, laid[0])
+        ahead.dot(response, laid[1])
+
+    def settle(self, change: Array | None = None) -> list[float]:
+        """Return the torques for the expected step that was predicted.
+
+        `change` is what changes of contact forces add to a, shape (n,).
+        """
+        acceleration, own, torques = self.predicted, self._own_share, self._torques
+        if own is None:  # held, of which the torques are known without the change
+            torques[:] = self._torques_held
+            if change is not None:
+                torques -= self._implicit.dot(change)
+        else:
+            if change is not None:
+                acceleration += change
+            limit_torques = self._limit_torques(acceleration)
+            if limit_torques is not None:
+                acceleration += self._response.dot(limit_torques)
+                own += limit_torques
+            np.subtract(own, self._implicit.dot(acceleration), torques)
         previous_rates, previous_torques = self._previous_views
         previous_rates[:], previous_torques[:] = self._present_views
-        self.bias = bias
         values: list[float] = torques.tolist()
         return values
+
+    @property
+    def response(self) -> Array:
+        """(M + B)⁻¹, shape (n, n): what torques on the joints add to a."""
+        return self._response
+
+    @property
+    def previous_rates(self) -> Array:
+        """Joint rates before the last step, shape (n,)."""
+        return self._previous_rates
 
     def _limit_torques(self, acceleration: Array) -> Array | None:
         """Return the torques that stop joints at their limits, None if no joint would pass one."""

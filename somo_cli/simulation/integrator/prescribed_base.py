@@ -100,6 +100,11 @@ class PrescribedBaseStepper(BodyStepper):
         """Put the body back to its start, the base as fast as it was half a step before."""
         super().reset_to_start(rates, self._start_velocity)
 
+    @property
+    def base_motion(self) -> tuple[Array, Array]:
+        """Motion of the base, (6,), in the last step and the coming one: spin, then velocity."""
+        return self._last_velocity, self._next_velocity
+
     def _velocity_between(self, first: Pose, second: Pose) -> Array:
         """Return the velocity that leads from one pose of the base to the next in a step."""
         turn = geometry.multiply(second.rotation, geometry.transposed(first.rotation))
@@ -131,7 +136,7 @@ class PrescribedBaseStepper(BodyStepper):
         is_resting = self._path.stationary_until(self._time, self._step) > next_check
         return super()._reuse_steps(change) if self._checks_at_rest > 1 and is_resting else 1
 
-    def _apply_corrected(self) -> None:
+    def _predict_corrected(self) -> None:
         law, world = self.law, self.world_body
         angles = law.angles.tolist()
         # at the instant of the angles the base is half a step on
@@ -141,11 +146,10 @@ class PrescribedBaseStepper(BodyStepper):
         present = world.bias(angles, law.rates.tolist(), self._last_velocity[:3].tolist(), centre)
         if law.bias is None:  # the last step was one of a base at rest
             law.bias = present
-        torques = law.correct(
+        law.predict(
             present + base_torques,
             lambda rates: world.bias(angles, rates.tolist(), spin, centre) + base_torques,
         )
-        world.apply(torques)
 
     def _update_energy(self) -> None:
         super()._update_energy()  # in the frame of the base

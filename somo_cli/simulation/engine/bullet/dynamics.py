@@ -37,6 +37,7 @@ class BulletDynamics:
         self._is_free = body.base == "free"
         self._is_static_upright = False
         self._base_to_joints: Array = np.zeros((self._count, 6))
+        self._base_inverse: Array = np.zeros((6, 6))
         self._base_coupling: Array = self._base_to_joints.T
         self._inverse_dynamics = self._make_inverse_dynamics()
 
@@ -97,7 +98,8 @@ class BulletDynamics:
         self._base_coupling = across
         if not self._is_free:
             return joints
-        self._base_to_joints = across.T.dot(invert(base))
+        self._base_inverse = invert(base)
+        self._base_to_joints = across.T.dot(self._base_inverse)
         reduced: Array = joints - self._base_to_joints.dot(across)
         return (reduced + reduced.T) / 2
 
@@ -156,6 +158,10 @@ class BulletDynamics:
             return forces
         felt: Array = forces[6:] - self._base_to_joints.dot(forces[:6])
         return felt
+
+    def base_response(self) -> tuple[Array, Array]:
+        """Return the inverse of the base's inertia, and its product with M_jb, of a free base."""
+        return self._base_inverse, self._base_to_joints
 
     def to_base_axes(self, forces: Array) -> Array:
         """Return forces as `bias` gives them; those on the base come in the world's axes.

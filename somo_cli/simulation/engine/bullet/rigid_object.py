@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
+from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Matrix, Vector
 from somo_cli.manipulator.kinematics import Pose
@@ -100,6 +103,18 @@ class BulletObject:
             offset = geometry.rotate(rotation, self._principal_frame.position)
             position = geometry.subtract(position, offset)
         return Pose(position, rotation)
+
+    def mobility(self) -> tuple[Vector, Array]:
+        """Return its centre of mass and the inverse of its inertia, (6, 6), in the world."""
+        bullet, client = self._bullet, self._client
+        centre, turn = bullet.getBasePositionAndOrientation(self.index, client)
+        inverse: Array = np.zeros((6, 6))
+        if not self._object.has_prescribed_pose:
+            told = bullet.getDynamicsInfo(self.index, -1, client)
+            axes = np.array(geometry.rotation_from_quaternion(turn))
+            inverse[:3, :3] = axes / np.array(told[2]) @ axes.T
+            inverse[3:, 3:] = np.eye(3) / told[0]
+        return centre, inverse
 
     def velocity(self) -> tuple[Vector, Vector]:
         """Return the velocity of its centre and its angular velocity, in the world."""

@@ -25,6 +25,7 @@ from somo_cli.simulation.engine.bullet.c_stdio import (
     flush_c,
 )
 from somo_cli.simulation.engine.bullet.client import import_pybullet
+from somo_cli.simulation.engine.bullet.contact_reader import BulletContactReader
 from somo_cli.simulation.engine.bullet.kinematic import KinematicObject, PrescribedBody
 from somo_cli.simulation.engine.bullet.rigid_object import BulletObject
 from somo_cli.simulation.engine.bullet.step_corrections import StepCorrections
@@ -130,6 +131,10 @@ class BulletWorld:
             for one in reported
             if (gap := one[8]) < 0
         ]
+
+    def contact_reader(self) -> BulletContactReader:
+        """Return what reads the contact points that press."""
+        return BulletContactReader(self._bullet, self._client, self._plan, self._link_indices)
 
     def adapt_solver_iterations(self) -> None:
         """Let the solver take as many iterations as pay with what `penetrations` saw last."""

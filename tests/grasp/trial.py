@@ -1,0 +1,88 @@
+"""One run of a grasp, and how it differs from the converged one."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from somo_cli.arrays import Array
+from somo_cli.problems import SimulationDiverged
+from somo_cli.scene import columns
+from somo_cli.simulation import run
+from somo_cli.simulation.engine.bullet.world import BulletWorld
+from somo_cli.simulation.plan.model import make_plan
+from tests.grasp.cases import END, RADIUS, Grasp
+
+FINE = 2e-4  # s: the step of the converged run
+QUIET = 0.3  # s, at the end: while nothing moves
+MOST_SHAKING = 2e-3  # of the mean force
+MOST_GRIP = 1e-2  # of the converged force
+MOST_OFF = 1e-2  # of the object's size
+
+
+@dataclass(frozen=True, slots=True)
+class Held:
+    """How an object is held in the end: force [N], its deviation [N], place [m]; time of a step."""
+
+    force: float
+    deviation: float
+    place: Array
+    seconds_per_step: float
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """A run against the converged one: shaking, grip and place, each relative; infinite if lost."""
+
+    shaking: float
+    grip: float
+    place: float
+
+    @property
+    def is_good(self) -> bool:
+        """Whether all three are small."""
+        return self.shaking < MOST_SHAKING and self.grip < MOST_GRIP and self.place < MOST_OFF
+
+
+def held(grasp: Grasp, step: float) -> Held | None:
+    """Run a grasp, and return how the object is held in the end, None if the run diverged."""
+    plan = make_plan(grasp.scene(step))
+    blocks: list[Array] = []
+    try:
+        with BulletWorld(plan) as world:
+            steps = round(END / step)
+            summary = run.run(
+                plan, world, lambda block: blocks.append(block.copy()), steps, time.perf_counter
+            )
+    except SimulationDiverged:
+        return None
+    table = dict(zip(columns.header(plan.recorded), np.concatenate(blocks).T, strict=True))
+    quiet = table["time_s"] > END - QUIET
+    force = table["object.contact.normal_n"][quiet]
+    place = np.array([table[f"object.pose.{axis}_m"][-1] for axis in "xyz"])
+    return Held(float(force.mean()), float(force.std()), place, summary.wall_time / summary.steps)
+
+
+@cache
+def converged(grasp: Grasp) -> Held:
+    """Return the run with a fine step; raises ValueError if even that diverges."""
+    fine = held(grasp, FINE)
+    if fine is None:
+        raise ValueError(f"{grasp.name} diverges at {FINE} s")
+    return fine
+
+
+def verdict(grasp: Grasp, step: float) -> Verdict:
+    """Run a grasp, and compare it with the converged run."""
+    fine, coarse = converged(grasp), held(grasp, step)
+    if coarse is None:
+        return Verdict(math.inf, math.inf, math.inf)
+    return Verdict(
+        coarse.deviation / max(coarse.force, 1e-9),
+        abs(coarse.force / max(fine.force, 1e-9) - 1),
+        float(np.linalg.norm(coarse.place - fine.place)) / (2 * RADIUS),
+    )

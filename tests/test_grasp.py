@@ -1,0 +1,35 @@
+"""Grasps hold: the grip does not shake and is that of a fine step, at steps that users take."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.grasp.cases import Grasp
+from tests.grasp.trial import Verdict, verdict
+
+HEAVY = Grasp(mass_ratio=40)
+
+
+@pytest.mark.parametrize("step", [1e-3, 2e-3])
+def test_a_ball_in_three_fingers_is_held_as_with_a_fine_step(step: float) -> None:
+    """At 1 ms the force shook by 40 % for ever while the law answered contact a step late."""
+    found = verdict(HEAVY, step)
+    assert found.shaking < 1e-5
+    assert found.grip < 0.01
+    assert found.place < 0.01 * step / 1e-3  # where it is held depends on how it was gripped
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shape", ["cube", "capsule"])
+def test_more_points_than_hold_a_body_shake_no_less_quietly(shape: str) -> None:
+    """Two points of each of four fingers: their share of the force is not determined."""
+    found = verdict(Grasp("lifted", 4, shape=shape), 1e-3)
+    assert found.shaking < 1e-5
+    assert found.grip < 1e-3
+
+
+def test_a_verdict_fails_what_shakes_slips_or_is_off() -> None:
+    assert Verdict(1e-3, 5e-3, 5e-3).is_good
+    assert not Verdict(3e-3, 5e-3, 5e-3).is_good
+    assert not Verdict(1e-3, 2e-2, 5e-3).is_good
+    assert not Verdict(1e-3, 5e-3, 2e-2).is_good
