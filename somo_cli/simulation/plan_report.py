@@ -54,24 +54,8 @@ def plain_data(plan: Plan) -> list[dict[str, object]]:
 
 
 def _shape_decisions(plan: Plan) -> Iterator[Decision]:
-    what, solids = "collision shapes", _count(savings.solids(plan), "shape")
-    if plan.can_touch:
-        parts = [_count(len(plan.bodies), "manipulator")]
-        parts += [_count(len(plan.objects), "object")] if plan.objects else []
-        parts += ["the ground"] if plan.ground is not None else []
-        yield Decision(what, True, f"{', '.join(parts)} can touch")
-    else:
-        is_alone = len(plan.bodies) == 1 and not plan.objects and plan.ground is None
-        what_is = (
-            "one manipulator, no ground, no objects"
-            if is_alone
-            else "all of it out of reach of each other, wherever joints go"
-        )
-        why = f"{what_is}, self_collision off: nothing can touch"
-        if plan.keeps_unused:
-            yield Decision(what, True, f"asked for, though {why}")
-        else:
-            yield Decision(what, False, why, f"{solids} to move in every step")
+    solids = _count(savings.solids(plan), "shape")
+    yield _collision_shape_decision(plan, solids)
     if plan.keeps_unused:
         yield Decision("visual shapes", True, "asked for")
     else:
@@ -80,6 +64,25 @@ def _shape_decisions(plan: Plan) -> Iterator[Decision]:
     why = "what is rigid is one link" if merged else "every link is one solid"
     saves = f"{_count(merged, 'link')} and as many fixed joints" if merged else None
     yield Decision("links joined by fixed joints", False, why, saves)
+
+
+def _collision_shape_decision(plan: Plan, solids: str) -> Decision:
+    what = "collision shapes"
+    if plan.can_touch:
+        parts = [_count(len(plan.bodies), "manipulator")]
+        parts += [_count(len(plan.objects), "object")] if plan.objects else []
+        parts += ["the ground"] if plan.ground is not None else []
+        return Decision(what, True, f"{', '.join(parts)} can touch")
+    is_alone = len(plan.bodies) == 1 and not plan.objects and plan.ground is None
+    what_is = (
+        "one manipulator, no ground, no objects"
+        if is_alone
+        else "all of it out of reach of each other, wherever joints go"
+    )
+    why = f"{what_is}, self_collision off: nothing can touch"
+    if plan.keeps_unused:
+        return Decision(what, True, f"asked for, though {why}")
+    return Decision(what, False, why, f"{solids} to move in every step")
 
 
 def _contact_decisions(plan: Plan) -> Iterator[Decision]:

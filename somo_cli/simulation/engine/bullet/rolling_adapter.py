@@ -49,24 +49,25 @@ class RollingAdapter:
         for one in bullet.getContactPoints(physicsClientId=client):
             if one[9] <= 0 or self._ground not in one[1:3]:
                 continue
-            is_first = one[2] == self._ground
-            place = (one[1], one[3]) if is_first else (one[2], one[4])
-            body = self._rounds.get(place)
-            if body is None:
-                continue
-            centre, axes = poses.get(place) or poses.setdefault(place, self._pose(place))
-            back = geometry.transposed(axes)
-            size = one[9] if is_first else -one[9]
-            x, y, z = one[7]
-            normal = (x, y, z) if is_first else (-x, -y, -z)
-            point = geometry.subtract(one[5] if is_first else one[6], centre)
-            offset = body.offset_to_line(
-                geometry.rotate(back, point), geometry.rotate(back, normal)
-            )
-            turn = torque(geometry.rotate(axes, offset), (size * x, size * y, size * z))
-            torques[place] = geometry.add(torques.get(place, geometry.ZERO), turn)
+            place = (one[1], one[3]) if one[2] == self._ground else (one[2], one[4])
+            if place in self._rounds:
+                pose = poses.get(place) or poses.setdefault(place, self._pose(place))
+                turn = self._torque(one, self._rounds[place], pose)
+                torques[place] = geometry.add(torques.get(place, geometry.ZERO), turn)
         for place, turn in torques.items():
             bullet.applyExternalTorque(*place, turn, bullet.WORLD_FRAME, client)
+
+    def _torque(self, reported: Any, body: RoundBody, pose: tuple[Vector, Matrix]) -> Vector:
+        """Return the torque for one contact point, as the engine reports it, in the world."""
+        centre, axes = pose
+        is_first = reported[2] == self._ground
+        sign = 1.0 if is_first else -1.0
+        x, y, z = (sign * component for component in reported[7])
+        size = reported[9]
+        point = geometry.subtract(reported[5] if is_first else reported[6], centre)
+        back = geometry.transposed(axes)
+        offset = body.offset_to_line(geometry.rotate(back, point), geometry.rotate(back, (x, y, z)))
+        return torque(geometry.rotate(axes, offset), (size * x, size * y, size * z))
 
     def _pose(self, place: Place) -> tuple[Vector, Matrix]:
         """Return the pose of a link at the start of the last step, when points were found."""
