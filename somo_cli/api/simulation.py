@@ -103,6 +103,7 @@ class Simulation:
         session = self._require_open()
         last = session.step + steps
         with np.errstate(over="ignore", invalid="ignore"):  # divergence is monitored
+            session.world.claim_engine()
             while session.step < last:
                 session.actuate()
                 session.monitor()
@@ -193,10 +194,10 @@ class Simulation:
                 f"'{manipulator}' has no joints of actuator {actuator} about axis {axis}; "
                 f"it has (actuator, axis) {known}"
             )
-        stepper.give_torque(joints, torque * self._units.torque)
+        stepper.give_torque(joints, torque, self._units.torque)
 
     def _open(self) -> None:
-        world = BulletWorld(self._plan)
+        world = BulletWorld(self._plan, keeps_stdout=True)
         world.__enter__()
         self._world = world
         if not self._plan.can_touch:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import json
 import resource
+import subprocess
+import sys
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
 import somo_cli as somo
+from somo_cli.loading import load_text
 from tests.loading import DEFINITIONS
 
 pytest.importorskip("pybullet")
@@ -106,11 +110,43 @@ def test_two_simulations_do_not_disturb_each_other() -> None:
         alone.close()
 
 
-def test_standard_output_stays_the_user_s(capfd: pytest.CaptureFixture[str]) -> None:
-    with somo.Simulation(SCENE) as simulation:
-        simulation.step(1)
-        print("mine", flush=True)
-    assert capfd.readouterr().out == "mine\n"
+def test_what_engines_share_is_each_one_s_own() -> None:
+    """Where something rebounds, bodies collide at another distance, which engines share."""
+    ball = {
+        "name": "ball",
+        "shape_type": "sphere",
+        "dimensions": [0.02],
+        "mass": 0.05,
+        "position": [0.3, 0, 0.1],
+        "restitution": 0.8,
+    }
+    scene = {
+        "manipulators": [{"definition": "finger.yaml", "position": [0, 0, 0.5]}],
+        "ground": {"restitution": 0.8},
+        "objects": [ball],
+    }
+    bouncing = load_text(json.dumps(scene), str(DEFINITIONS / "test.json"))
+    with somo.Simulation(bouncing) as alone:
+        alone.step(400)
+        expected, _ = alone.object_pose("ball")
+    with somo.Simulation(bouncing) as one, somo.Simulation(DEFINITIONS / "pinch_scene.yaml") as two:
+        for _ in range(40):
+            one.step(10)
+            two.step(1)
+        found, _ = one.object_pose("ball")
+    assert np.array_equal(found, expected)
+
+
+def test_standard_output_stays_the_user_s(environment: dict[str, str]) -> None:
+    script = (
+        "import os, sys, somo_cli\n"
+        "with somo_cli.Simulation(sys.argv[1]) as simulation:\n"
+        "    simulation.step(1)\n"
+        "    os.write(1, b'mine')\n"
+    )
+    command = [sys.executable, "-c", script, str(SCENE)]
+    ended = subprocess.run(command, capture_output=True, text=True, env=environment, check=True)
+    assert ended.stdout == "mine"
 
 
 @pytest.mark.slow

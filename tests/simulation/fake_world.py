@@ -149,6 +149,9 @@ class FakeWorld:
     def contact_reader(self) -> ContactReader:
         return NothingNear()
 
+    def claim_engine(self) -> None:
+        """Share nothing."""
+
     def adapt_solver_iterations(self) -> None:
         """Have no solver."""
 

@@ -138,5 +138,8 @@ class World(Protocol):
     def contact_reader(self) -> ContactReader:
         """Return what reads the contact points that press."""
 
+    def claim_engine(self) -> None:
+        """Set again what all engines of a process share; before steps, if several are open."""
+
     def adapt_solver_iterations(self) -> None:
         """Let the solver take as many iterations as pay with what `penetrations` saw last."""

@@ -6,6 +6,7 @@ import itertools
 import math
 import struct
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from operator import itemgetter
 
@@ -92,7 +93,8 @@ class BodyStepper:
         self._drives = [
             (drive.signal.at, _setter(self.actuation, drive.joints)) for drive in body.drives
         ]
-        self._given_torques: dict[tuple[int, ...], tuple[Callable[[float], None], float]] = {}
+        self._given_torques: dict[tuple[int, ...], _GivenTorque] = {}
+        self._time = 0.0  # s, of the actuation
         self._dynamics: ChainDynamics | None = None
         self.read_state = self._make_read_state()
 
@@ -104,10 +106,11 @@ class BodyStepper:
 
     def actuate(self, time: float) -> None:
         """Set the actuation torques of a time [s], and the loads at the present pose."""
+        self._time = time
         for at, put in self._drives:
             put(at(time))
-        for put, torque in self._given_torques.values():
-            put(torque)
+        for given in self._given_torques.values():
+            given.put(given.torque)
         if self.loads is not None:
             self._apply_load(self.loads.force(time, self.law.angles))
 
@@ -115,12 +118,23 @@ class BodyStepper:
         """Add the generalised force of the loads, shape (6 + n,), to the actuation of the law."""
         np.add(self.actuation, load[6:], self.law.actuation)
 
-    def give_torque(self, joints: tuple[int, ...], torque: float) -> None:
-        """Apply a torque [engine units] to joints from the next `actuate` on.
+    def give_torque(self, joints: tuple[int, ...], torque: float, factor: float) -> None:
+        """Apply a torque [N·m] to joints from the next `actuate` on.
 
-        It replaces what the scene says, until another torque is given.
+        It replaces what the scene says, until another torque is given. `factor` leads to engine
+        units.
         """
-        self._given_torques[joints] = _setter(self.actuation, joints), torque
+        put = _setter(self.actuation, joints)
+        self._given_torques[joints] = _GivenTorque(put, factor * torque, torque)
+
+    def si_actuation(self) -> Array:
+        """Return the actuation torque of each joint in the present step [N·m], shape (n,)."""
+        torques: Array = np.zeros(len(self.law.rates))
+        for drive in self.body.drives:
+            torques[list(drive.joints)] = drive.si_signal.at(self._time)
+        for joints, given in self._given_torques.items():
+            torques[list(joints)] = given.si_torque
+        return torques
 
     def rates_of_instant(self) -> Array:
         """Return the joint rates at the instant of the angles [rad/s], shape (n,).
@@ -347,6 +361,15 @@ class BodyStepper:
         start = self.body.start
         self.world_body.reset(start.angles, rates or start.rates, base_velocity)
         self.read_state()
+
+
+@dataclass(frozen=True, slots=True)
+class _GivenTorque:
+    """A torque from outside [engine units and N·m], and the function that sets it on its joints."""
+
+    put: Callable[[float], None]
+    torque: float
+    si_torque: float
 
 
 def _setter(values: Array, joints: tuple[int, ...]) -> Callable[[float], None]:

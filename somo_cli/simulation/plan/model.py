@@ -43,12 +43,17 @@ TORQUE = Dimension(mass=1, length=2, time=-2)
 
 @dataclass(frozen=True, slots=True)
 class ActuatorTorque:
-    """A torque over time [engine units] and the joints of one body that it acts on."""
+    """A torque over time and the joints of one body that it acts on.
+
+    `signal` is in engine units, as it acts; `si_signal` [N·m] is what is recorded of it, which no
+    scaling has rounded.
+    """
 
     actuator: int
     axis: int
     joints: tuple[int, ...]
     signal: Signal
+    si_signal: Signal
 
 
 @dataclass(frozen=True, slots=True)
@@ -274,6 +279,7 @@ def _actuator_torque(actuation: Actuation, chain: Chain, scale: Scale) -> Actuat
         actuation.axis,
         joints,
         actuation.profile.scaled(scale.factor(TORQUE)).signal(),
+        actuation.profile.signal(),
     )
 
 

@@ -30,12 +30,12 @@ from somo_cli.simulation.recording import contact_values
 
 @dataclass
 class BodyStates:
-    """One body in several rows, in engine units: angles, rates and actuation, shape (n, rows).
+    """One body in several rows, in engine units: angles and rates, shape (n, rows).
 
-    `base_poses` are those of the base's URDF frame in the world, if a column needs them, one for
-    each row or one for all; `base_velocities` hold the velocity of the base's centre of mass and
-    its angular velocity, in the world. `number` is that of the body. `contacts` lists all contact
-    points of the step before each row.
+    `actuation`, shape (n, rows), is in N·m. `base_poses` are those of the base's URDF frame in the
+    world, if a column needs them, one for each row or one for all; `base_velocities` hold the
+    velocity of the base's centre of mass and its angular velocity, in the world. `number` is that
+    of the body. `contacts` lists all contact points of the step before each row.
     """
 
     body: Body
@@ -85,7 +85,7 @@ def _spring_torques(states: BodyStates, units: UnitFactors) -> Array:
 def _actuation(states: BodyStates, units: UnitFactors) -> Array:
     joints = [(joint.actuator, joint.channel) for joint in states.body.chain.joints]
     first = [joints.index(channel) for channel in channels(states.body.chain)]
-    return np.asarray(states.actuation[first] / units.torque)
+    return np.asarray(states.actuation[first])
 
 
 def _curvatures(states: BodyStates, units: UnitFactors) -> Array:

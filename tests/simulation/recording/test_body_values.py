@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import json
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -19,21 +20,22 @@ from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.dynamics.forward_kinematics import ForwardKinematics
 from somo_cli.simulation.engine.bullet.world import BulletBody, BulletWorld
 from somo_cli.simulation.engine.contacts import ContactPoint
-from somo_cli.simulation.plan.model import TORQUE, Plan
+from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.plan.units import unit_factors_of
 from somo_cli.simulation.recording.body_values import BODY_VALUES, BodyStates
+from tests.loading import rows_of, scene_from_text
 from tests.manipulator.bodies import EVERYTHING, X, Y, actuator, bent, manipulator
 from tests.scene.test_columns import ALL, NAMES, plan_of
 
 
 def state_in(plan: Plan, angles: list[float], base: Pose) -> BodyStates:
     """Return one and the same state, given in SI, in the units of the plan."""
-    length, torque = (plan.scale.factor(one) for one in (Dimension(length=1), TORQUE))
+    length = plan.scale.factor(Dimension(length=1))
     x, y, z = base.position
     moved = Pose((x * length, y * length, z * length), base.rotation)
     body = plan.bodies[0]
     by_channel = {(0, 0): 0.3, (0, 1): -0.2, (0, 2): 0.0, (1, 0): 0.7, (2, 0): -1.5}
-    actuation = [torque * by_channel[joint.actuator, joint.channel] for joint in body.chain.joints]
+    actuation = [by_channel[joint.actuator, joint.channel] for joint in body.chain.joints]
     rates = [0.5 * angle + 1 for angle in angles]
     return state_of(plan, angles, rates, actuation, moved)
 
@@ -183,3 +185,19 @@ def test_poses_are_those_of_the_engine(scale: float) -> None:
             tip_in_world = position + rotation @ np.array(plan.bodies[0].chain.tip) / scale
         assert [found[f"a.tip.{one}_m"] for one in "xyz"] == pytest.approx(tip_in_world, abs=1e-6)
         assert [found[f"a.base.{one}_m"] for one in "xyz"] == pytest.approx([0.1, -0.2, 0.3])
+
+
+def test_actuation_is_recorded_as_the_scene_says_it_whatever_the_scale() -> None:
+    """0.03 N·m times and over the factor of this scale is 0.030000000000000002."""
+    scene = {
+        "manipulators": [
+            {
+                "definition": "finger.yaml",
+                "actuation": [{"actuator": 0, "axis": 0, "torque": 0.03}],
+            }
+        ],
+        "world_scale": {"length": 3, "mass": 0.7},
+        "record": {"columns": ["actuation"]},
+    }
+    rows = rows_of(scene_from_text(json.dumps(scene)), 3)
+    assert {row[1] for row in rows} == {0.03}

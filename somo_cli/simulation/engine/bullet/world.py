@@ -39,8 +39,10 @@ GROUND_THICKNESS = 20.0  # engine units: what falls faster than this in a step p
 class BulletWorld:
     """A plan loaded into an engine of its own: bodies in the order of the plan."""
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: Plan, keeps_stdout: bool = False) -> None:
         self._plan = plan
+        self._keeps_stdout = keeps_stdout
+        self._contact_gap = contact_parameters.contact_parameters(plan)["contactBreakingThreshold"]
         self._bullet: Any = None
         self._client = -1
         self._start = -1  # the engine's number of the state after loading
@@ -58,7 +60,10 @@ class BulletWorld:
         self._corrections: StepCorrections | None = None
 
     def __enter__(self) -> BulletWorld:
-        """Load every body; until `close`, what the engine prints goes to standard error."""
+        """Load every body; until `close`, what the engine prints goes to standard error.
+
+        With `keeps_stdout` only while it loads, so that standard output stays the caller's.
+        """
         with captured_output() as printed, decimal_points():
             self._bullet = import_pybullet()
             self._client = self._bullet.connect(self._bullet.DIRECT)
@@ -72,7 +77,7 @@ class BulletWorld:
             except BaseException:
                 self.close()
                 raise
-        self._stdout = duplicate(1)
+        self._stdout = None if self._keeps_stdout else duplicate(1)
         if self._stdout is not None:
             with suppress(OSError):
                 os.dup2(2, 1)
@@ -153,6 +158,15 @@ class BulletWorld:
         order = [body.index for body in self.bodies]
         order += [rigid_object.index for rigid_object in self.objects]
         return collision_filter.depths(self._bullet, self._client, order + self._ground_indices)
+
+    def claim_engine(self) -> None:
+        """Set again what all engines of a process share, since another one may have set it.
+
+        Seen in 3.2.7: contactBreakingThreshold is one for all of them.
+        """
+        self._bullet.setPhysicsEngineParameter(
+            contactBreakingThreshold=self._contact_gap, physicsClientId=self._client
+        )
 
     def save_start(self) -> None:
         """Keep the present state, right after loading, for `restore_start`."""
