@@ -53,7 +53,7 @@ def override(document: Document, assignment: str) -> Document:
 
 
 def _steps(path: str, source: str) -> list[tuple[str | int, Span]]:
-    # The names and indices of a path, each with its place in the assignment.
+    """Return the names and indices of a path, each with its place in the assignment."""
     steps: list[tuple[str | int, Span]] = []
     end = 0
     while end < len(path) or not steps:
@@ -68,28 +68,45 @@ def _steps(path: str, source: str) -> list[tuple[str | int, Span]]:
 
 
 def _existing(document: Document, steps: Sequence[tuple[str | int, Span]]) -> Pointer:
-    # The pointer the steps make, if all but a last name lead to what is there.
+    """Return the steps as a pointer into the document.
+
+    The last step may be a new key of a mapping. Raises InvalidFile for any other step that leads
+    nowhere.
+    """
     pointer: Pointer = ()
     here = document.data
     for number, (step, span) in enumerate(steps, start=1):
-        holder = _written(pointer)
         if isinstance(step, int):
-            if not isinstance(here, list):
-                hint = "name a key instead" if isinstance(here, dict) else ""
-                raise _refusal(span, f"{holder} is not a list", hint)
-            if step >= len(here):
-                hint = f"the last one is [{len(here) - 1}]" if here else "the list is empty"
-                raise _refusal(span, f"{holder} has no item [{step}]", hint)
-            here = here[step]
+            here = _item_at(here, step, span, _written(pointer))
         else:
-            if not isinstance(here, dict):
-                hint = "name an index, such as [0]" if isinstance(here, list) else ""
-                raise _refusal(span, f"{holder} is not a mapping", hint)
-            if step not in here and number < len(steps):
-                raise _refusal(span, f"{holder} has no key '{step}'", _nearest(step, here))
-            here = here.get(step)
+            may_be_new = number == len(steps)
+            here = _value_at(here, step, span, _written(pointer), may_be_new)
         pointer = (*pointer, step)
     return pointer
+
+
+def _item_at(holder: object, index: int, span: Span, name: str) -> object:
+    """Return an item of the list called `name`; raise InvalidFile if there is none."""
+    if not isinstance(holder, list):
+        hint = "name a key instead" if isinstance(holder, dict) else ""
+        raise _refusal(span, f"{name} is not a list", hint)
+    if index >= len(holder):
+        hint = f"the last one is [{len(holder) - 1}]" if holder else "the list is empty"
+        raise _refusal(span, f"{name} has no item [{index}]", hint)
+    return holder[index]
+
+
+def _value_at(holder: object, key: str, span: Span, name: str, may_be_new: bool) -> object:
+    """Return the value at a key of the mapping called `name`, None for a new key.
+
+    Raises InvalidFile if the holder is no mapping, or lacks a key that must be there.
+    """
+    if not isinstance(holder, dict):
+        hint = "name an index, such as [0]" if isinstance(holder, list) else ""
+        raise _refusal(span, f"{name} is not a mapping", hint)
+    if key not in holder and not may_be_new:
+        raise _refusal(span, f"{name} has no key '{key}'", _nearest(key, holder))
+    return holder.get(key)
 
 
 def _value(value: str, column: int, source: str) -> Document:
