@@ -197,7 +197,7 @@ class Simulation:
         stepper.give_torque(joints, torque, self._units.torque)
 
     def _open(self) -> None:
-        world = BulletWorld(self._plan, keeps_stdout=True)
+        world = BulletWorld(self._plan)
         world.__enter__()
         self._world = world
         if not self._plan.can_touch:

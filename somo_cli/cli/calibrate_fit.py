@@ -141,9 +141,10 @@ def _parameters(scene: "Scene", whats: "Sequence[ParameterKind]") -> "Sequence[P
 def _fitted(scene: "Scene", measured: "Measurement", known: "Sequence[Parameter]") -> "FitResult":
     from somo_cli.calibration.fit import NothingToFit, SceneModel
     from somo_cli.calibration.fit import fit as fitted
+    from somo_cli.simulation.engine.bullet.c_stdio import stdout_to_stderr
     from somo_cli.simulation.engine.bullet.world import BulletWorld
 
-    with terminal.progress(_RUNS * len(known), "fitting: runs") as advance:
+    with stdout_to_stderr(), terminal.progress(_RUNS * len(known), "fitting: runs") as advance:
         model = SceneModel(scene, measured, BulletWorld, advance)
         try:
             return fitted(model, measured, known)

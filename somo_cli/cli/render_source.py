@@ -53,6 +53,7 @@ def simulated(
     from somo_cli import loading
     from somo_cli.picture.recorded_motion import RecordedMotion, drawn
     from somo_cli.scene import columns
+    from somo_cli.simulation.engine.bullet.c_stdio import stdout_to_stderr
     from somo_cli.simulation.engine.bullet.world import BulletWorld
     from somo_cli.simulation.plan.model import make_plan
     from somo_cli.simulation.run import run
@@ -62,7 +63,11 @@ def simulated(
     plan = make_plan(dataclasses.replace(drawn(scene), every=between))
     plan = dataclasses.replace(plan, records_last_step=True)
     blocks: list[Array] = []
-    with BulletWorld(plan) as world, terminal.progress(steps, "simulating") as advance:
+    with (
+        stdout_to_stderr(),
+        BulletWorld(plan) as world,
+        terminal.progress(steps, "simulating") as advance,
+    ):
         summary = run(plan, world, blocks.append, steps, time.perf_counter, advance)
     names = columns.header(plan.recorded)
     rows = [row for block in blocks for row in block.tolist()]

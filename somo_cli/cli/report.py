@@ -194,10 +194,11 @@ def _instants(steps: Sequence[float], duration: float) -> "Instants":
 def _studied(scene: "Scene", question: "StudySettings") -> "Study":
     from somo_cli.analysis.study import study, total_steps
     from somo_cli.manipulator.resegmentation import NotUniform
+    from somo_cli.simulation.engine.bullet.c_stdio import stdout_to_stderr
     from somo_cli.simulation.engine.bullet.world import BulletWorld
 
     try:
-        with terminal.progress(total_steps(question), "measuring") as advance:
+        with stdout_to_stderr(), terminal.progress(total_steps(question), "measuring") as advance:
             return study(scene, question, BulletWorld, time.perf_counter, advance)
     except NotUniform as error:
         raise typer.BadParameter(str(error), param_hint="'--segments'") from error

@@ -189,16 +189,18 @@ def _recorded(
 ) -> "tuple[RunSummary, int | None]":
     """Simulate into the files; return a summary and, if events are recorded, their number."""
     from somo_cli.api import runs
+    from somo_cli.simulation.engine.bullet.c_stdio import stdout_to_stderr
     from somo_cli.simulation.recording.contact_event_writer import ContactEventWriter
     from somo_cli.simulation.recording.csv_writer import CsvWriter
 
     output, of_events = targets
     is_live = output == "-"
     try:
-        # the outputs come first: the world takes standard output away from the engine
+        # the outputs come first: from then on standard output is taken from the engine
         with (
             files.open_partial(output) as stream,
             nullcontext() if of_events is None else files.open_partial(of_events) as event_stream,
+            stdout_to_stderr(),
             runs.OpenRun(prepared.plan) as opened,
             terminal.progress(steps, "simulating") as advance,
         ):
@@ -219,7 +221,8 @@ def _recorded(
 
 def _estimated(plan: "Plan", spool: "RowSpool", steps: int) -> "ErrorEstimate":
     from somo_cli.analysis.error_estimate import estimate
+    from somo_cli.simulation.engine.bullet.c_stdio import stdout_to_stderr
     from somo_cli.simulation.engine.bullet.world import BulletWorld
 
-    with terminal.progress(2 * steps, "at half the step") as advance:
+    with stdout_to_stderr(), terminal.progress(2 * steps, "at half the step") as advance:
         return estimate(plan, spool.reader(), steps, BulletWorld, time.perf_counter, advance)

@@ -1,4 +1,4 @@
-"""What a C library does to the process behind Python's back: prints, and reads by the locale."""
+"""What a C library does to the process behind Python's back: it prints, and reads by the locale."""
 
 from __future__ import annotations
 
@@ -13,33 +13,57 @@ from contextlib import contextmanager, suppress
 
 @contextmanager
 def captured_output() -> Iterator[Callable[[], str]]:
-    """Keep what the engine prints, in C, out of both streams; yield a function that tells it."""
+    """Keep what C prints out of standard output and standard error.
+
+    Yields a function that returns what was printed so far, on one line.
+    """
     with tempfile.TemporaryFile() as kept:
-        duplicates = {descriptor: duplicate(descriptor) for descriptor in (1, 2)}
-        saved = {key: value for key, value in duplicates.items() if value is not None}
 
         def printed() -> str:
-            flush_c()
+            _flush_c()
             kept.seek(0)
             lines = kept.read().decode(errors="replace").splitlines()
             return " ".join(line for line in lines if "build time" not in line)
 
-        try:
-            sys.stdout.flush()
-            sys.stderr.flush()
-            for descriptor in saved:
-                os.dup2(kept.fileno(), descriptor)
+        with _redirected((1, 2), kept.fileno()):
             yield printed
-        finally:
-            flush_c()
-            for descriptor, original in saved.items():
-                os.dup2(original, descriptor)
-                os.close(original)
+
+
+@contextmanager
+def stdout_to_stderr() -> Iterator[None]:
+    """Send what C prints on standard output to standard error, where messages go.
+
+    For commands, whose results go to standard output: open the results before. A library leaves
+    the standard output of its user alone, except for moments.
+    """
+    with _redirected((1,), 2):
+        yield
+
+
+@contextmanager
+def _redirected(descriptors: tuple[int, ...], target: int) -> Iterator[None]:
+    """Redirect file descriptors to another one, those that are open; give them back at the end."""
+    duplicates = {descriptor: _duplicate(descriptor) for descriptor in descriptors}
+    saved = {key: value for key, value in duplicates.items() if value is not None}
+    try:
+        for stream in (sys.stdout, sys.stderr):
+            if stream is not None:
+                stream.flush()
+        _flush_c()
+        with suppress(OSError):  # where the target is closed nothing is redirected
+            for descriptor in saved:
+                os.dup2(target, descriptor)
+        yield
+    finally:
+        _flush_c()
+        for descriptor, original in saved.items():
+            os.dup2(original, descriptor)
+            os.close(original)
 
 
 @contextmanager
 def decimal_points() -> Iterator[None]:
-    """Let C read a decimal point as one, as a program with a comma locale would not."""
+    """Let C read a decimal point as one, which a program with a comma locale would not."""
     own = locale.setlocale(locale.LC_NUMERIC)
     locale.setlocale(locale.LC_NUMERIC, "C")
     try:
@@ -48,7 +72,7 @@ def decimal_points() -> Iterator[None]:
         locale.setlocale(locale.LC_NUMERIC, own)
 
 
-def duplicate(descriptor: int) -> int | None:
+def _duplicate(descriptor: int) -> int | None:
     """Return a copy of an open file descriptor, None for a closed one."""
     try:
         return os.dup(descriptor)
@@ -56,7 +80,7 @@ def duplicate(descriptor: int) -> int | None:
         return None
 
 
-def flush_c() -> None:
-    """Empty C's own buffers, so that its text lands where the stream points now."""
+def _flush_c() -> None:
+    """Empty C's own buffers, so that its text lands where the descriptors point now."""
     with suppress(OSError, AttributeError):
         ctypes.CDLL(None).fflush(None)

@@ -5,10 +5,8 @@ Facts about PyBullet 3.2.7 that the code below depends on stand beside the lines
 
 from __future__ import annotations
 
-import os
 import tempfile
 from collections.abc import Callable
-from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from types import TracebackType
@@ -18,12 +16,7 @@ from somo_cli.problems import EngineRefused
 from somo_cli.scene.contact_surface import Ground
 from somo_cli.simulation.engine.bullet import collision_filter, contact_parameters
 from somo_cli.simulation.engine.bullet.body import BulletBody
-from somo_cli.simulation.engine.bullet.c_stdio import (
-    captured_output,
-    decimal_points,
-    duplicate,
-    flush_c,
-)
+from somo_cli.simulation.engine.bullet.c_stdio import captured_output, decimal_points
 from somo_cli.simulation.engine.bullet.client import import_pybullet
 from somo_cli.simulation.engine.bullet.contact_reader import BulletContactReader
 from somo_cli.simulation.engine.bullet.kinematic import KinematicObject, PrescribedBody
@@ -39,14 +32,12 @@ GROUND_THICKNESS = 20.0  # engine units: what falls faster than this in a step p
 class BulletWorld:
     """A plan loaded into an engine of its own: bodies in the order of the plan."""
 
-    def __init__(self, plan: Plan, keeps_stdout: bool = False) -> None:
+    def __init__(self, plan: Plan) -> None:
         self._plan = plan
-        self._keeps_stdout = keeps_stdout
         self._contact_gap = contact_parameters.contact_parameters(plan)["contactBreakingThreshold"]
         self._bullet: Any = None
         self._client = -1
         self._start = -1  # the engine's number of the state after loading
-        self._stdout: int | None = None
         self.bodies: list[BulletBody] = []
         self.objects: list[BulletObject] = []
         self._numbers: dict[int, int] = {}
@@ -60,10 +51,7 @@ class BulletWorld:
         self._corrections: StepCorrections | None = None
 
     def __enter__(self) -> BulletWorld:
-        """Load every body; until `close`, what the engine prints goes to standard error.
-
-        With `keeps_stdout` only while it loads, so that standard output stays the caller's.
-        """
+        """Load every body. What the engine prints meanwhile is in the error, if it refuses one."""
         with captured_output() as printed, decimal_points():
             self._bullet = import_pybullet()
             self._client = self._bullet.connect(self._bullet.DIRECT)
@@ -77,10 +65,6 @@ class BulletWorld:
             except BaseException:
                 self.close()
                 raise
-        self._stdout = None if self._keeps_stdout else duplicate(1)
-        if self._stdout is not None:
-            with suppress(OSError):
-                os.dup2(2, 1)
         return self
 
     def __exit__(
@@ -92,15 +76,10 @@ class BulletWorld:
         self.close()
 
     def close(self) -> None:
-        """Leave the engine and give standard output back."""
+        """Free the engine; the world cannot be stepped any more."""
         if self._client >= 0:
             self._bullet.disconnect(physicsClientId=self._client)
             self._client = -1
-        if self._stdout is not None:
-            flush_c()
-            os.dup2(self._stdout, 1)
-            os.close(self._stdout)
-            self._stdout = None
 
     def contact_points(self) -> list[ContactPoint]:
         """Return every contact point of the last step, in the engine's order, then what is ours."""
@@ -157,7 +136,8 @@ class BulletWorld:
         """
         order = [body.index for body in self.bodies]
         order += [rigid_object.index for rigid_object in self.objects]
-        return collision_filter.depths(self._bullet, self._client, order + self._ground_indices)
+        with captured_output():  # nothing is stepped yet, as while loading
+            return collision_filter.depths(self._bullet, self._client, order + self._ground_indices)
 
     def claim_engine(self) -> None:
         """Set again what all engines of a process share, since another one may have set it.

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import json
 import locale
-import os
 import shutil
 import subprocess
 import sys
@@ -150,25 +149,6 @@ def test_a_decimal_comma_changes_nothing() -> None:
     assert locale.setlocale(locale.LC_NUMERIC) == own
     locale.setlocale(locale.LC_NUMERIC, "C")
     assert rows_of(scene, 20) == with_comma
-
-
-def test_the_engine_is_not_heard(capfd: pytest.CaptureFixture[str]) -> None:
-    os.write(1, b"out before\n")
-    os.write(2, b"err before\n")
-    with BulletWorld(askew("free")) as world:
-        world.step()
-    os.write(1, b"out after\n")
-    os.write(2, b"err after\n")
-    assert capfd.readouterr() == ("out before\nout after\n", "err before\nerr after\n")
-
-
-def test_what_the_engine_prints_while_it_runs_stays_out_of_the_rows(
-    capfd: pytest.CaptureFixture[str],
-) -> None:
-    with BulletWorld(askew("free")):
-        os.write(1, b"b3Printf\n")
-    os.write(1, b"row\n")
-    assert capfd.readouterr() == ("row\n", "b3Printf\n")
 
 
 @pytest.mark.parametrize("text", ["<robot", "<robot name='a'/>", "nothing"])
