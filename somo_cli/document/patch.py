@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from copy import deepcopy
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from somo_cli.document.parse import Document, parse
@@ -29,6 +30,14 @@ _BY_ALIAS = "by an alias or a merge key"
 _BY_FILE = "as its file is included more than once"
 
 
+@dataclass(frozen=True, slots=True)
+class _Change:
+    """The edits that set numbers at places in a file."""
+
+    numbers: _Numbers
+    edits: Sequence[Edit]
+
+
 def patched(
     document: Document,
     source: str,
@@ -37,42 +46,65 @@ def patched(
 ) -> str:
     """Return the text of one source of the document with the values at the pointers set.
 
-    A key that is missing in a mapping is added, behind the sibling that `after` names for it, or
-    else behind the last one. A list of as many numbers as are there is set item by item. A value
-    that several pointers share is set only if all of them are given, with the same number.
-    Raises InvalidFile with a problem for each value that cannot be set without touching
-    something else, KeyError for a source that the document lacks, ValueError for a number that
-    is not finite.
+    A key that a mapping lacks is added: behind the sibling that `after` names for it, or else
+    behind the last key. A list that keeps its length is set item by item. A value that several
+    pointers share is set only if all of them are given, with the same number.
+
+    Raises InvalidFile with a problem for each value that cannot be set without a change of
+    something else. Raises KeyError for a source that the document lacks, and ValueError for a
+    number that is not finite.
     """
     whole = document.texts[source]
     text = whole.removeprefix(_BYTE_ORDER_MARK)
-    lines = (0, *(match.end() for match in LINE_BREAK.finditer(text)), len(text))
-    file = SourceText(text, parse(text, source), lines)
+    file = _parsed(text, source)
     targets = {pointer: _targets(document, pointer, value) for pointer, value in values.items()}
-    every = {target: number for each in targets.values() for target, number in each.items()}
-    places: dict[Pointer, _Numbers] = {}
-    edits: dict[Pointer, list[Edit]] = {}
-    refused: dict[Pointer, str] = {}
-    for pointer, numbers in targets.items():
-        try:
-            here = {_place(document, file, p, every): number for p, number in numbers.items()}
-            edits[pointer] = [edit_of(file, p, number, after or {}) for p, number in here.items()]
-            places[pointer] = here
-        except EditRefused as refusal:
-            refused[pointer] = str(refusal)
-    if not refused and not _reads_as_wanted(file, edits.values(), places.values()):
-        alone = [p for p in values if not _reads_as_wanted(file, [edits[p]], [places[p]])]
-        refused = dict.fromkeys(alone or values, _OTHERWISE)
+    changes, refused = _changes(document, file, targets, after or {})
     if refused:
         problems = [_problem(document, p, values[p], reason) for p, reason in refused.items()]
         raise InvalidFile(problems, document.texts)
-    return whole[: len(whole) - len(text)] + _applied(text, edits.values())
+    return whole[: len(whole) - len(text)] + _applied(text, changes)
+
+
+def _parsed(text: str, source: str) -> SourceText:
+    lines = (0, *(match.end() for match in LINE_BREAK.finditer(text)), len(text))
+    return SourceText(text, parse(text, source), lines)
+
+
+def _changes(
+    document: Document,
+    file: SourceText,
+    targets: Mapping[Pointer, _Numbers],
+    after: Mapping[str, str],
+) -> tuple[list[_Change], dict[Pointer, str]]:
+    """Return a change of the file for each pointer, and why there is none for the others.
+
+    The changes are tried together. If the text then reads otherwise than wanted, those are
+    refused that fail alone, or all of them if each works alone.
+    """
+    every = {target: number for each in targets.values() for target, number in each.items()}
+    changes: dict[Pointer, _Change] = {}
+    refused: dict[Pointer, str] = {}
+    for pointer, numbers in targets.items():
+        try:
+            places = {_place(document, file, p, every): number for p, number in numbers.items()}
+            edits = [edit_of(file, p, number, after) for p, number in places.items()]
+            changes[pointer] = _Change(places, edits)
+        except EditRefused as refusal:
+            refused[pointer] = str(refusal)
+    if not refused and not _reads_as_wanted(file, changes.values()):
+        alone = [p for p, change in changes.items() if not _reads_as_wanted(file, [change])]
+        refused = dict.fromkeys(alone or changes, _OTHERWISE)
+    return list(changes.values()), refused
 
 
 def _targets(
     document: Document, pointer: Pointer, value: float | Sequence[float]
 ) -> dict[Pointer, Number]:
-    # Item by item, what stands between the items stays.
+    """Return the pointers to set, with their numbers; those of the items if a list is set.
+
+    What stands between the items then stays. A list of another length is set as a whole. Raises
+    ValueError for a number that is not finite.
+    """
     numbers = tuple(map(float, value)) if isinstance(value, Sequence) else (float(value),)
     if not all(map(math.isfinite, numbers)):
         raise ValueError(f"{pointer_text(pointer)} cannot be {value}: not finite")
@@ -85,7 +117,11 @@ def _targets(
 
 
 def _place(document: Document, file: SourceText, pointer: Pointer, every: _Numbers) -> Pointer:
-    # The pointer from the root of the file, if nothing else would change with the value.
+    """Return a pointer of the document as one from the root of the file.
+
+    Raises EditRefused if something else would change with the value. `every` holds all numbers
+    to set, by their pointers in the document.
+    """
     known = pointer if pointer in document.spans else pointer[:-1]
     missing = pointer[len(known) :]
     if known not in document.spans or (missing and not isinstance(document.at(known), dict)):
@@ -106,9 +142,9 @@ def _place(document: Document, file: SourceText, pointer: Pointer, every: _Numbe
     return pointer[root:]
 
 
-def _applied(text: str, edits: Iterable[list[Edit]]) -> str:
+def _applied(text: str, changes: Iterable[_Change]) -> str:
     # A shared value is set once, however many pointers lead to it.
-    unique = dict.fromkeys(edit for each in edits for edit in each)
+    unique = dict.fromkeys(edit for change in changes for edit in change.edits)
     pieces, end = [], 0
     for edit in sorted(unique, key=lambda edit: (edit.start, edit.adds)):
         pieces += [text[end : edit.start], edit.new]
@@ -116,17 +152,15 @@ def _applied(text: str, edits: Iterable[list[Edit]]) -> str:
     return "".join((*pieces, text[end:]))
 
 
-def _reads_as_wanted(
-    file: SourceText, edits: Iterable[list[Edit]], places: Iterable[_Numbers]
-) -> bool:
-    # Whether the new text reads as the old one but for the numbers.
+def _reads_as_wanted(file: SourceText, changes: Collection[_Change]) -> bool:
+    """Return whether the changed text reads as the old one, but for the numbers."""
     try:
-        found = parse(_applied(file.text, edits), file.part.source).data
+        found = parse(_applied(file.text, changes), file.part.source).data
     except InvalidFile:
         return False
     wanted: Any = {"": deepcopy(file.part.data)}
-    for numbers in places:
-        for place, number in numbers.items():
+    for change in changes:
+        for place, number in change.numbers.items():
             holder = wanted
             for step in ("", *place)[:-1]:
                 holder = holder[step]

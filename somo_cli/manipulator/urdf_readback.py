@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from somo_cli.manipulator import geometry, kinematics
-from somo_cli.manipulator.chain import Chain
+from somo_cli.manipulator.chain import Chain, Joint
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import EngineRefused
 
@@ -80,14 +80,9 @@ class _Comparison:
         """Compare names, parents, types, axes, origins, limits, damping and friction."""
         chain = self._chain
         own = len(chain.joints)
-        last_links = [chain.links[limb.last_link].name for limb in chain.backbones]
         names = [joint.name for joint in robot.joints]
         self._compare_values("joints", names[:own], [joint.name for joint in chain.joints])
-        for theirs in robot.joints[own:]:
-            place = (theirs.type, theirs.parent)
-            if theirs.type != "fixed" or theirs.parent not in last_links:
-                wanted = ("fixed", chain.links[-1].name)
-                self._compare_values(f"place of '{theirs.name}'", place, wanted)
+        self._require_fixed_to_last_links(robot.joints[own:])
         pairs = zip(chain.joints, robot.joints, strict=False)
         for index, (joint, theirs) in enumerate(pairs):
             what = f"of '{joint.name}'"
@@ -98,28 +93,36 @@ class _Comparison:
             self._compare_numbers(f"axis {what}", list(theirs.axis), joint.axis)
             position, rotation = _pose(theirs.origin)
             self._compare_numbers(f"origin {what}", position, joint.origin, chain.length)
-            turn = geometry.rotation_from_rpy(joint.rpy)
-            self._compare_numbers(
-                f"rotation {what}", rotation, [one for row in turn for one in row]
-            )
-            dynamics = theirs.dynamics
-            if dynamics is None:
-                self.found.append(f"no damping and friction {what}")
-            else:
-                # yourdfpy keeps these two as strings
-                self._compare_numbers(
-                    f"damping {what}", [float(dynamics.damping)], [joint.damping], 0.0
-                )
-                self._compare_numbers(
-                    f"friction {what}", [float(dynamics.friction)], [joint.friction], 0.0
-                )
-            if joint.is_limited and theirs.limit is not None:
-                limit = theirs.limit
-                four = [limit.lower, limit.upper, limit.effort, limit.velocity]
-                ours = (joint.lower, joint.upper, joint.effort, joint.velocity)
-                self._compare_numbers(f"limits {what}", four, ours)
-            elif joint.is_limited or theirs.limit is not None:
-                self.found.append(f"limits {what} are {theirs.limit}")
+            turn = _row_by_row(geometry.rotation_from_rpy(joint.rpy))
+            self._compare_numbers(f"rotation {what}", rotation, turn)
+            self._compare_dynamics(what, theirs.dynamics, joint)
+            self._compare_limits(what, theirs.limit, joint)
+
+    def _require_fixed_to_last_links(self, joints: Sequence[Any]) -> None:
+        """Require of joints that the chain lacks that each fixes a link to the last of a limb."""
+        links = self._chain.links
+        last_links = [links[limb.last_link].name for limb in self._chain.backbones]
+        for joint in joints:
+            if joint.type != "fixed" or joint.parent not in last_links:
+                wanted = ("fixed", links[-1].name)
+                self._compare_values(f"place of '{joint.name}'", (joint.type, joint.parent), wanted)
+
+    def _compare_dynamics(self, what: str, theirs: Any, joint: Joint) -> None:
+        if theirs is None:
+            self.found.append(f"no damping and friction {what}")
+            return
+        # yourdfpy keeps these two as strings
+        damping, friction = float(theirs.damping), float(theirs.friction)
+        self._compare_numbers(f"damping {what}", [damping], [joint.damping], 0.0)
+        self._compare_numbers(f"friction {what}", [friction], [joint.friction], 0.0)
+
+    def _compare_limits(self, what: str, theirs: Any, joint: Joint) -> None:
+        if joint.is_limited != (theirs is not None):
+            self.found.append(f"limits {what} are {theirs}")
+        elif joint.is_limited:
+            four = [theirs.lower, theirs.upper, theirs.effort, theirs.velocity]
+            ours = (joint.lower, joint.upper, joint.effort, joint.velocity)
+            self._compare_numbers(f"limits {what}", four, ours)
 
     def compare_poses(self, urdf: Any) -> None:
         """Compare the pose of every link frame, all joints bent, by yourdfpy's own kinematics."""
@@ -132,7 +135,7 @@ class _Comparison:
             position, rotation = _pose(urdf.get_transform(link.name, chain.links[0].name))
             what = f"of '{link.name}', bent"
             self._compare_numbers(f"position {what}", position, pose.position, chain.length)
-            ours = [number for row in pose.rotation for number in row]
+            ours = _row_by_row(pose.rotation)
             self._compare_numbers(f"orientation {what}", rotation, ours)
 
     def _compare_values(self, what: str, theirs: object, ours: object) -> None:
@@ -155,7 +158,11 @@ def _pose(matrix: Any) -> tuple[list[float], list[float]]:
     if matrix is None:
         return [0.0, 0.0, 0.0], list(_IDENTITY)
     rows = [[float(number) for number in row] for row in matrix]
-    return [row[3] for row in rows[:3]], [number for row in rows[:3] for number in row[:3]]
+    return [row[3] for row in rows[:3]], _row_by_row([row[:3] for row in rows[:3]])
+
+
+def _row_by_row(matrix: Iterable[Iterable[float]]) -> list[float]:
+    return [number for row in matrix for number in row]
 
 
 def _shown(values: Sequence[float | None]) -> str:
