@@ -93,6 +93,9 @@ def _contact_decisions(plan: Plan) -> Iterator[Decision]:
     sampled = f"the list of contact points in {between - 1} of {between} steps"
     what, seldom = "looks at how deep bodies are in each other", "at most 8 ms apart"
     yield Decision(what, True, seldom, sampled if between > 1 else None)
+    yield _prediction_decision(plan)
+    slides = "found every few steps; only what slides, and not along the engine's own directions"
+    yield Decision("direction of sliding friction", True, slides)
     able = [body.name for body in plan.bodies if body.has_self_collision]
     why = f"of {', '.join(able)}" if able else "self_collision is off"
     spared = savings.untested_link_pairs(plan)
@@ -116,6 +119,13 @@ def _marker_decisions(plan: Plan) -> Iterator[Decision]:
     markers = [one.rigid_object.name for one in plan.objects if not one.rigid_object.collides]
     if markers:
         yield Decision("collisions of markers", False, f"collides is false of {', '.join(markers)}")
+
+
+def _prediction_decision(plan: Plan) -> Decision:
+    what = "prediction of contact forces"
+    if plan.integrator == "explicit":
+        return Decision(what, False, "the explicit integrator does without")
+    return Decision(what, True, "where bodies press, since a force that comes late shakes a grasp")
 
 
 def _joint_decisions(plan: Plan) -> Iterator[Decision]:
