@@ -122,6 +122,32 @@ def _extremes(document: Document, value: object, pointer: Pointer = ()) -> Itera
         yield SchemaProblem(pointer, problem)
 
 
+@dataclass(frozen=True, slots=True)
+class _BrokenRule:
+    """An error of jsonschema: a value, and the keyword of the schema whose rule it breaks.
+
+    `at_key` tells that the value is a key, which the last step of the pointer then is.
+    """
+
+    error: ValidationError
+    pointer: Pointer
+    at_key: bool
+    keyword: str
+    rule: Any
+    value: Any
+    schema: Any
+
+
+def _broken_rule(error: ValidationError) -> _BrokenRule:
+    value: Any = error.instance
+    pointer: Pointer = tuple(error.absolute_path)
+    at_key = "propertyNames" in error.absolute_schema_path and isinstance(value, str)
+    if at_key:
+        pointer = (*pointer, value)
+    keyword, rule = str(error.validator), error.validator_value
+    return _BrokenRule(error, pointer, at_key, keyword, rule, value, error.schema)
+
+
 class _ErrorTranslator:
     """Turns the errors of jsonschema into faults of one document."""
 
@@ -145,7 +171,7 @@ class _ErrorTranslator:
 
     def _translated(self, error: ValidationError, is_sound: bool) -> Iterator[SchemaProblem]:
         schema = error.schema if isinstance(error.schema, Mapping) else {}
-        for pointer, at_key, message, hint in self._findings(error, is_sound):
+        for pointer, at_key, message, hint in self._findings(_broken_rule(error), is_sound):
             if "x-message" in schema:
                 message = _filled(schema["x-message"], error.instance)
             if "x-hint" in schema:
@@ -153,74 +179,47 @@ class _ErrorTranslator:
             span = self._document.span(pointer, at_key)
             yield SchemaProblem(pointer, Problem(span, message, hint))
 
-    def _findings(self, error: ValidationError, is_sound: bool) -> Iterator[_Finding]:
-        keyword = str(error.validator)
-        rule: Any = error.validator_value
-        value: Any = error.instance
-        schema: Any = error.schema
-        pointer: Pointer = tuple(error.absolute_path)
-        shown = _show(value)
-        at_key = "propertyNames" in error.absolute_schema_path and isinstance(value, str)
-        if at_key:
-            pointer = (*pointer, value)
-        if keyword == "additionalProperties":
-            yield from self._unknown(pointer, *_surplus(schema, value))
-        elif keyword == "unevaluatedProperties":
-            yield from self._unevaluated(pointer, error, is_sound)
-        elif keyword == "required":
-            misspelt = self._misspelt(pointer, value)
-            for name in rule:
-                if name not in value and name not in misspelt:
-                    place = (*pointer, name)
-                    yield place, False, f"missing key '{name}'", self._description(place)
-        elif keyword == "dependentRequired":
-            for name, needed in rule.items():
-                for other in needed if name in value else ():
-                    if other not in value:
-                        message = f"'{name}' needs a key '{other}' beside it"
-                        yield (*pointer, name), True, message, self._description((*pointer, other))
-        elif keyword == "type":
-            kinds = [rule] if isinstance(rule, str) else rule
-            message = f"expected {_either(kinds)}, found {_value_and_kind(value)}"
-            yield pointer, at_key, message, _type_hint(value, kinds) or self._description(pointer)
-        elif keyword in ("enum", "const"):
-            choices = rule if keyword == "enum" else [rule]
-            one_of = "one of " if len(choices) > 1 else ""
-            message = f"{shown} is not {one_of}{', '.join(_show(choice) for choice in choices)}"
-            names = [choice for choice in choices if isinstance(choice, str)]
-            yield (
-                pointer,
-                at_key,
-                message,
-                _nearest(value, names, 0.7) or self._description(pointer),
-            )
-        elif keyword in _BOUNDS:
-            message = f"{shown} must be {_BOUNDS[keyword]} {_show(rule)}"
-            yield pointer, at_key, message, self._description(pointer)
-        elif keyword in _COUNTS:
-            message = _count_message(keyword, rule, value, schema)
-            yield pointer, at_key, message, self._description(pointer)
-        elif keyword == "items" and rule is False:
-            room = _plural(len(schema.get("prefixItems", ())), "value")
-            message = f"expected at most {room}, found {len(value)}"
-            yield pointer, at_key, message, self._description(pointer)
-        elif keyword == "pattern":
-            hint = _sentence(schema.get("description", "")) or self._description(pointer)
-            yield pointer, at_key, f"{shown} does not have the right form", hint or f"form: {rule}"
-        elif keyword == "uniqueItems":
-            yield pointer, at_key, "the same value stands in the list twice", "remove one of them"
-        elif keyword in ("anyOf", "oneOf"):
-            yield from self._branches(pointer, error)
-        elif keyword == "not" and rule == {} and pointer:
-            # Not a schema of false: jsonschema 4.26 does not say where that one stands.
-            yield pointer, True, f"key '{pointer[-1]}' does not belong here", ""
-        else:
-            yield (
-                pointer,
-                at_key,
-                f"{_value_and_kind(value)} does not belong here",
-                self._description(pointer),
-            )
+    def _findings(self, broken: _BrokenRule, is_sound: bool) -> Iterator[_Finding]:
+        pointer, value = broken.pointer, broken.value
+        match broken.keyword:
+            case "additionalProperties":
+                yield from self._unknown(pointer, *_surplus(broken.schema, value))
+            case "unevaluatedProperties":
+                yield from self._unevaluated(pointer, broken.error, is_sound)
+            case "required":
+                yield from self._missing(pointer, value, broken.rule)
+            case "dependentRequired":
+                yield from self._missing_beside(pointer, value, broken.rule)
+            case "anyOf" | "oneOf":
+                yield from self._branches(pointer, broken.error)
+            case "not" if broken.rule == {} and pointer:
+                # Not a schema of false: jsonschema 4.26 does not say where that one stands.
+                yield pointer, True, f"key '{pointer[-1]}' does not belong here", ""
+            case keyword:
+                message, hint = _SAID.get(keyword, _said_of_other)(broken)
+                hint = hint or self._description(pointer)
+                if keyword == "pattern":
+                    hint = hint or f"form: {broken.rule}"
+                yield pointer, broken.at_key, message, hint
+
+    def _missing(
+        self, pointer: Pointer, value: Mapping[str, object], names: Iterable[str]
+    ) -> Iterator[_Finding]:
+        misspelt = self._misspelt(pointer, value)
+        for name in names:
+            if name not in value and name not in misspelt:
+                place = (*pointer, name)
+                yield place, False, f"missing key '{name}'", self._description(place)
+
+    def _missing_beside(
+        self, pointer: Pointer, value: Mapping[str, object], needs: Mapping[str, Sequence[str]]
+    ) -> Iterator[_Finding]:
+        present = [(name, others) for name, others in needs.items() if name in value]
+        for name, others in present:
+            for other in others:
+                if other not in value:
+                    message = f"'{name}' needs a key '{other}' beside it"
+                    yield (*pointer, name), True, message, self._description((*pointer, other))
 
     def _unknown(
         self, pointer: Pointer, unknown: Iterable[str], known: Sequence[str]
@@ -243,28 +242,30 @@ class _ErrorTranslator:
                 yield (*pointer, key), True, f"key '{key}' does not belong here", ""
 
     def _branches(self, pointer: Pointer, error: ValidationError) -> Iterator[_Finding]:
+        """Yield the faults of the branch that was meant, or else what all branches allow."""
         branches: dict[object, list[ValidationError]] = {}
         for child in error.context or ():
             branches.setdefault(child.schema_path[0], []).append(child)
         found = _value_and_kind(error.instance)
-        # The branch that was meant is the one the value is of the right kind for.
-        meant = [b for b in branches.values() if not any(_is_other_kind(child) for child in b)]
-        kinds: list[str] = []
-        for child in (child for branch in branches.values() for child in branch):
-            rule: Any = child.validator_value if child.validator == "type" else ()
-            kinds += [rule] if isinstance(rule, str) else rule
         if not branches:
             yield pointer, False, f"{found} fits more than one of the allowed forms", ""
-        elif len(meant) == 1:
-            for fault in self.faults(meant[0]):
-                at_key = self._document.span(fault.pointer, True) == fault.problem.span
-                yield fault.pointer, at_key, fault.problem.message, fault.problem.hint
+            return
+        # The branch that was meant is the one the value is of the right kind for.
+        meant = [b for b in branches.values() if not any(_is_other_kind(child) for child in b)]
+        kinds = [kind for branch in branches.values() for kind in _allowed_kinds(branch)]
+        if len(meant) == 1:
+            yield from self._of_branch(meant[0])
         elif not meant and kinds:
             yield pointer, False, f"expected {_either(kinds)}, found {found}", ""
         else:
             schema: Any = error.schema
             hint = _sentence(schema.get("description", ""))
             yield pointer, False, f"{found} fits none of the allowed forms", hint
+
+    def _of_branch(self, errors: Sequence[ValidationError]) -> Iterator[_Finding]:
+        for fault in self.faults(errors):
+            at_key = self._document.span(fault.pointer, True) == fault.problem.span
+            yield fault.pointer, at_key, fault.problem.message, fault.problem.hint
 
     def _description(self, pointer: Pointer) -> str:
         # What the schema says of a value, else of the list it is in; of a file it says too much.
@@ -322,35 +323,47 @@ def _is_other_kind(error: ValidationError) -> bool:
     return error.validator in ("type", "const", "enum") and len(error.relative_path) == 0
 
 
+def _allowed_kinds(errors: Iterable[ValidationError]) -> Iterator[str]:
+    for error in errors:
+        if error.validator == "type":
+            yield from _as_list(error.validator_value)
+
+
 def _views(
     file: str, schema: object, pointer: Pointer, seen: frozenset[str] = frozenset()
 ) -> Iterator[Schema]:
-    # Every subschema that may judge the value at a pointer, whatever its conditions.
+    """Yield every subschema that may judge the value at a pointer, whatever its conditions."""
     if not isinstance(schema, Mapping):
         return
-    if not pointer:
-        yield schema
-    elif isinstance(pointer[0], str):
-        below = schema.get("properties", {}).get(pointer[0], schema.get("additionalProperties"))
-        yield from _views(file, below, pointer[1:])
+    if pointer:
+        yield from _views(file, _below(schema, pointer[0]), pointer[1:])
     else:
-        first = schema.get("prefixItems", ())
-        below = first[pointer[0]] if pointer[0] < len(first) else schema.get("items")
-        yield from _views(file, below, pointer[1:])
+        yield schema
     reference = schema.get("$ref")
     if isinstance(reference, str) and f"{file}:{reference}" not in seen:
         seen |= {f"{file}:{reference}"}
-        other, _, way = reference.partition("#")
-        file = _name(other) if other else file
-        target: Any = load_schema(file)
-        for step in way.split("/")[1:]:
-            target = target[step.replace("~1", "/").replace("~0", "~")]
-        yield from _views(file, target, pointer, seen)
-    for group in ("allOf", "anyOf", "oneOf"):
-        for part in schema.get(group, ()):
-            yield from _views(file, part, pointer, seen)
-    for branch in ("then", "else"):
-        yield from _views(file, schema.get(branch), pointer, seen)
+        yield from _views(*_resolved(file, reference), pointer, seen)
+    parts = [part for group in ("allOf", "anyOf", "oneOf") for part in schema.get(group, ())]
+    for part in (*parts, schema.get("then"), schema.get("else")):
+        yield from _views(file, part, pointer, seen)
+
+
+def _below(schema: Schema, step: str | int) -> object:
+    """Return the subschema for a key of a mapping or an item of a list, None if there is none."""
+    if isinstance(step, str):
+        return schema.get("properties", {}).get(step, schema.get("additionalProperties"))
+    first = schema.get("prefixItems", ())
+    return first[step] if step < len(first) else schema.get("items")
+
+
+def _resolved(file: str, reference: str) -> tuple[str, object]:
+    """Return the name of the schema file that a reference in `file` leads to, and its target."""
+    other, _, way = reference.partition("#")
+    file = _name(other) if other else file
+    target: Any = load_schema(file)
+    for step in way.split("/")[1:]:
+        target = target[step.replace("~1", "/").replace("~0", "~")]
+    return file, target
 
 
 def _is_whole(_: object, value: object) -> bool:
@@ -425,8 +438,12 @@ def _either(kinds: Sequence[str]) -> str:
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} or {names[-1]}"
 
 
+def _as_list(kinds: Any) -> Sequence[str]:
+    return [kinds] if isinstance(kinds, str) else kinds
+
+
 def _type_hint(value: object, kinds: Sequence[str]) -> str:
-    # What was probably meant by a value of the wrong type.
+    """Return what was probably meant by a value of the wrong type, or nothing."""
     if "boolean" in kinds and isinstance(value, str):
         return "write true or false"
     if "integer" in kinds and isinstance(value, float) and value.is_integer():
@@ -434,17 +451,15 @@ def _type_hint(value: object, kinds: Sequence[str]) -> str:
     if "string" in kinds and "object" not in kinds and isinstance(value, int | float):
         return "put it in quotes"
     if isinstance(value, str) and not {"number", "integer"}.isdisjoint(kinds):
-        for text in (value, value.replace("_", ""), value.replace(",", ".")):
-            if _NUMBER.fullmatch(text):
-                return f"write {text}, without quotes" if text == value else f"write {text}"
+        return _number_hint(value)
     return ""
 
 
-def _count_message(keyword: str, rule: int, value: Any, schema: Schema) -> str:
-    bound, thing = _COUNTS[keyword]
-    exact = schema.get("min" + keyword[3:]) == schema.get("max" + keyword[3:])
-    bound = "" if exact else bound + " "
-    return f"expected {bound}{_plural(rule, thing)}, found {len(value)}"
+def _number_hint(value: str) -> str:
+    for text in (value, value.replace("_", ""), value.replace(",", ".")):
+        if _NUMBER.fullmatch(text):
+            return f"write {text}, without quotes" if text == value else f"write {text}"
+    return ""
 
 
 def _plural(count: int, thing: str) -> str:
@@ -465,3 +480,60 @@ def _sentence(description: str) -> str:
     # The first sentence, as it stands after a colon.
     text = re.split(r"\.(?:\s+(?=[A-Z])|$)", " ".join(description.split()), maxsplit=1)[0]
     return text[:1].lower() + text[1:] if not text[1:2].isupper() else text
+
+
+def _said_of_type(broken: _BrokenRule) -> tuple[str, str]:
+    kinds = _as_list(broken.rule)
+    message = f"expected {_either(kinds)}, found {_value_and_kind(broken.value)}"
+    return message, _type_hint(broken.value, kinds)
+
+
+def _said_of_choice(broken: _BrokenRule) -> tuple[str, str]:
+    choices = broken.rule if broken.keyword == "enum" else [broken.rule]
+    one_of = "one of " if len(choices) > 1 else ""
+    shown = ", ".join(_show(choice) for choice in choices)
+    names = [choice for choice in choices if isinstance(choice, str)]
+    return f"{_show(broken.value)} is not {one_of}{shown}", _nearest(broken.value, names, 0.7)
+
+
+def _said_of_bound(broken: _BrokenRule) -> tuple[str, str]:
+    return f"{_show(broken.value)} must be {_BOUNDS[broken.keyword]} {_show(broken.rule)}", ""
+
+
+def _said_of_count(broken: _BrokenRule) -> tuple[str, str]:
+    bound, thing = _COUNTS[broken.keyword]
+    counted = broken.keyword[3:]
+    is_exact = broken.schema.get("min" + counted) == broken.schema.get("max" + counted)
+    bound = "" if is_exact else bound + " "
+    return f"expected {bound}{_plural(broken.rule, thing)}, found {len(broken.value)}", ""
+
+
+def _said_of_surplus_items(broken: _BrokenRule) -> tuple[str, str]:
+    room = _plural(len(broken.schema.get("prefixItems", ())), "value")
+    return f"expected at most {room}, found {len(broken.value)}", ""
+
+
+def _said_of_pattern(broken: _BrokenRule) -> tuple[str, str]:
+    hint = _sentence(broken.schema.get("description", ""))
+    return f"{_show(broken.value)} does not have the right form", hint
+
+
+def _said_of_repetition(_: _BrokenRule) -> tuple[str, str]:
+    return "the same value stands in the list twice", "remove one of them"
+
+
+def _said_of_other(broken: _BrokenRule) -> tuple[str, str]:
+    return f"{_value_and_kind(broken.value)} does not belong here", ""
+
+
+# The message and the hint for a broken keyword; without a hint, the description stands in.
+_SAID: Mapping[str, Callable[[_BrokenRule], tuple[str, str]]] = {
+    "type": _said_of_type,
+    "enum": _said_of_choice,
+    "const": _said_of_choice,
+    **dict.fromkeys(_BOUNDS, _said_of_bound),
+    **dict.fromkeys(_COUNTS, _said_of_count),
+    "items": _said_of_surplus_items,
+    "pattern": _said_of_pattern,
+    "uniqueItems": _said_of_repetition,
+}

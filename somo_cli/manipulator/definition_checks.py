@@ -96,37 +96,48 @@ def _count_problems(
     if count == 0:
         return
     flag = data.get("planar_flag", 1 if count == 1 else 0)
-    place = document.span((*at, "joint_definitions"), key=True)
-    default = "" if "planar_flag" in data else ", the default,"
+    definitions = (*at, "joint_definitions")
+    fault = _count_fault(flag, "planar_flag" in data, count, data["n_segments"])
+    if fault is not None:
+        yield Problem(document.span(definitions, key=True), *fault)
+    elif flag == 2 and is_sound(definitions):
+        yield from _axis_problems(document, definitions, data["joint_definitions"])
+
+
+def _count_fault(flag: object, is_given: bool, count: int, segments: int) -> tuple[str, str] | None:
+    """Return message and hint if `count` joint definitions do not suit the planar_flag."""
     if flag == 1 and count != 1:
-        yield Problem(
-            place,
+        return (
             f"planar_flag 1 needs 1 joint definition, found {count}",
             "use planar_flag 0 for several axes, 2 for one definition per segment",
         )
-    elif flag == 0 and count not in (2, 3):
-        yield Problem(
-            place,
+    if flag == 0 and count not in (2, 3):
+        default = "" if is_given else ", the default,"
+        return (
             f"planar_flag 0{default} needs 2 or 3 joint definitions, found {count}",
             "use planar_flag 1 for a single joint definition, 2 for one per segment",
         )
-    elif flag == 2 and count != data["n_segments"]:
-        yield Problem(
-            place,
+    if flag == 2 and count != segments:
+        return (
             f"planar_flag 2 needs one joint definition per segment, "
-            f"found {count} for {data['n_segments']} segments",
+            f"found {count} for {segments} segments",
             "use planar_flag 1 for one joint definition, 0 for 2 or 3 that take turns",
         )
-    elif flag == 2 and is_sound((*at, "joint_definitions")):
-        axes = [joint.get("axis", [1, 0, 0]) for joint in data["joint_definitions"]]
-        for index, axis in enumerate(axes):
-            if axis != axes[0]:
-                yield Problem(
-                    document.span((*at, "joint_definitions", index, "axis")),
-                    f"planar_flag 2 needs the same axis for all joints, found {axis} after "
-                    f"{axes[0]}",
-                    "use planar_flag 0 for several axes",
-                )
+    return None
+
+
+def _axis_problems(
+    document: Document, at: Pointer, joints: Sequence[Mapping[str, Any]]
+) -> Iterator[Problem]:
+    """Yield an error for each joint of a planar actuator whose axis is not that of the first."""
+    axes = [joint.get("axis", [1, 0, 0]) for joint in joints]
+    for index, axis in enumerate(axes):
+        if axis != axes[0]:
+            yield Problem(
+                document.span((*at, index, "axis")),
+                f"planar_flag 2 needs the same axis for all joints, found {axis} after {axes[0]}",
+                "use planar_flag 0 for several axes",
+            )
 
 
 def _placement_problems(
