@@ -1,6 +1,6 @@
-"""The text of an OBJ or STL file to its convex hulls and its mass properties.
+"""Compute the convex hulls and the mass properties of the text of an OBJ or STL file.
 
-The only place trimesh is known; it is loaded when a scene has a mesh.
+Only this module uses trimesh, and loads it when a scene has a mesh.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ from somo_cli.scene.closed_surface import OpenSurface, clean_surface, outward_fa
 
 FORMATS = (".obj", ".stl")
 MAX_HULL_VERTICES = 10_000
-"""Of a hull. Seen in PyBullet 3.2.7: a step of one body on a plane costs 3 times as much with 5000
-vertices as with 1000, and 12 times as much with 20 000."""
+"""The most vertices of a hull. In PyBullet 3.2.7 a step of one body on a plane takes 3 times as
+long with 5000 vertices as with 1000, and 12 times as long with 20 000."""
 
-_MIN_RELATIVE_THICKNESS = 1e-6  # extent across by the largest extent
-_MIN_VOLUME_SHARE = 1e-9  # of the hull, that a solid fills
-_ROUNDING = 1e-15  # of the cube of an extent
-_MIN_EXTENT = 1e-6  # m; trimesh takes vertices that are 1e-8 apart for one
+_MIN_RELATIVE_THICKNESS = 1e-6  # smallest extent divided by the largest
+_MIN_VOLUME_SHARE = 1e-9  # volume of the solid divided by that of its hulls
+_ROUNDING = 1e-15  # rounding error of a volume, divided by the cube of the largest extent
+_MIN_EXTENT = 1e-6  # m; trimesh merges vertices that are 1e-8 apart
 
 
 class MeshError(ValueError):
-    """A mesh that the engine, or nobody, can use: what is wrong, and what would be right."""
+    """A mesh that cannot be used: what is wrong, with a hint how to mend it."""
 
     def __init__(self, message: str, hint: str) -> None:
         self.hint = hint
@@ -43,7 +43,7 @@ Hulls: TypeAlias = Literal["parts", "one", "decompose"]
 
 
 class MeshFile(NamedTuple):
-    """A mesh file: what it is called, its text, and an OBJ text of its convex pieces, if known."""
+    """The name and text of a mesh file, and its convex pieces as an OBJ text, if known."""
 
     source: str
     text: str
@@ -52,10 +52,10 @@ class MeshFile(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class MeshProperties:
-    """Convex hulls, and the solids of unit density that fill the hulls and the mesh itself.
+    """Convex hulls, and the inertias at unit density of the hulls and of the mesh itself.
 
-    Of a mesh that encloses no volume `mesh_inertial` is None, and `fault` says why. Faces that
-    repeat others, and those without an area, are left out of the solid, and counted.
+    If the mesh encloses no volume, `mesh_inertial` is None and `fault` says why. The solid leaves
+    out duplicate faces and faces without area; the last two fields count them.
     """
 
     hulls: tuple[Hull, ...]
@@ -68,7 +68,7 @@ class MeshProperties:
 
     @property
     def hull(self) -> Hull:
-        """The first hull, which most meshes have only one of."""
+        """The first hull; most meshes have no other."""
         return self.hulls[0]
 
 
@@ -82,38 +82,30 @@ def mesh_properties(
 ) -> MeshProperties:
     """Return hulls and mass properties of a mesh file, its axes scaled by three factors.
 
-    With `parts` each named part (`o`, `g`) of an OBJ has a hull of its own, with `one` there is
-    one around all, with `decompose` there is one for each part of the OBJ text `pieces`. By default
-    it is `parts` where every part encloses a volume, else `one`. Hulls and centres are in the frame
-    of the file, in metres if it is. Raises MeshError.
+    With `parts` each named part (`o`, `g`) of an OBJ has a hull of its own. With `one` a hull
+    encloses all parts. With `decompose` each part of the OBJ text `pieces` has a hull. The default
+    is `parts` if every part encloses a volume, else `one`. Hulls and centres are in the frame of
+    the file; lengths are the scaled numbers of the file, taken as metres. Raises MeshError.
     """
-    with np.errstate(all="ignore"):  # of numbers that are refused below
+    with np.errstate(all="ignore"):  # the checks below reject such numbers
         parts = _usable_parts(text, source, scale)
-        solids_of_parts = [_solid_of(part) for part in parts]
-        are_solid = all(one.inertial for one in solids_of_parts)
-        whole = solids_of_parts[0] if len(parts) == 1 else _solid_of(_joined(parts))
-        inertial = whole.inertial
-        if are_solid:
-            inertial = lumped(tuple(one.inertial for one in solids_of_parts if one.inertial))
-        if hulls == "decompose":
-            shapes = _pieces(pieces, scale)
-        elif hulls == "parts" or (hulls is None and are_solid):
-            shapes = parts
-        else:
+        solids = [_solid_of(part) for part in parts]
+        if hulls is None:
+            hulls = "parts" if all(one.inertial for one in solids) else "one"
+        shapes = _pieces(pieces, scale) if hulls == "decompose" else parts
+        if hulls == "one":
             shapes = [_joined(parts)]
-        found = [_hull(part.vertices) for part in shapes]
+        found = [_hull(shape.vertices) for shape in shapes]
         hull_inertial = lumped(tuple(inertial for _, inertial in found))
-        fault, hint = ("", "") if inertial else (whole.fault, whole.hint)
-        if inertial and not inertial.mass > _MIN_VOLUME_SHARE * hull_inertial.mass:
-            inertial, fault, hint = None, "it encloses no volume", "give it a thickness"
+        whole = _whole_solid(parts, solids, _MIN_VOLUME_SHARE * hull_inertial.mass)
         return MeshProperties(
             tuple(hull for hull, _ in found),
             hull_inertial,
-            inertial,
-            fault,
-            hint,
-            sum(one.duplicates for one in solids_of_parts),
-            sum(one.degenerate for one in solids_of_parts),
+            whole.inertial,
+            whole.fault,
+            whole.hint,
+            sum(one.duplicates for one in solids),
+            sum(one.degenerate for one in solids),
         )
 
 
@@ -163,10 +155,10 @@ def _load_parts(text: str, source: str) -> list[Any]:
         raise MeshError("this is neither an OBJ nor an STL file", "the name ends in .obj or .stl")
     log = logging.getLogger("trimesh")
     if not log.handlers:
-        # it would print tracebacks of what its parsing stumbles over, which is told below
+        # without a handler, trimesh prints a traceback of each error that is reported below
         log.addHandler(logging.NullHandler())
     content = text.encode("utf-8", "surrogateescape")
-    # trimesh 5.2 lets through whatever its parsing stumbles over
+    # trimesh 5.2 does not wrap the errors that its parsing causes
     parsing_errors = (
         *(ValueError, IndexError, KeyError, TypeError, AttributeError, OverflowError),
         DeprecationWarning,
@@ -177,7 +169,7 @@ def _load_parts(text: str, source: str) -> list[Any]:
         options |= {"split_objects": True, "split_groups": True}
     try:
         with warnings.catch_warnings():
-            # numpy before 2.3 leaves it at that, and what it could not read out
+            # numpy before 2.3 only warns, and leaves out the numbers that it could not read
             warnings.filterwarnings("error", "string or file could not be read", DeprecationWarning)
             scene = trimesh.load_scene(
                 BytesIO(content), file_type=kind[1:], process=False, **options
@@ -224,7 +216,7 @@ def _hull(vertices: Any) -> tuple[Hull, Inertial]:
     try:
         # Qt: triangles only; the default of trimesh may shift the points
         hull = trimesh.convex.convex_hull(vertices, qhull_options="Qt")
-    except RuntimeError as error:  # as scipy calls it when there is no hull
+    except RuntimeError as error:  # scipy raises it if there is no hull
         raise flat from error
     if len(hull.vertices) > MAX_HULL_VERTICES:
         raise MeshError(
@@ -240,13 +232,28 @@ def _hull(vertices: Any) -> tuple[Hull, Inertial]:
 
 @dataclass(frozen=True, slots=True)
 class _Solid:
-    """The homogeneous solid of unit density that faces enclose, if they do, else why not."""
+    """The inertia at unit density of the volume that faces enclose, or why there is none."""
 
     inertial: Inertial | None
     fault: str = ""
     hint: str = ""
     duplicates: int = 0
     degenerate: int = 0
+
+
+def _whole_solid(parts: list[Any], solids: list[_Solid], min_volume: float) -> _Solid:
+    """Return the solid of a mesh from its parts and their solids, if it exceeds `min_volume` [m^3].
+
+    Where each part is solid, volumes add up. Else the parts may be one closed surface together.
+    """
+    inertials = tuple(one.inertial for one in solids if one.inertial)
+    if len(inertials) == len(parts):
+        whole = _Solid(lumped(inertials))
+    else:
+        whole = solids[0] if len(parts) == 1 else _solid_of(_joined(parts))
+    if whole.inertial and not whole.inertial.mass > min_volume:
+        return _Solid(None, "it encloses no volume", "give it a thickness")
+    return whole
 
 
 def _solid_of(mesh: Any) -> _Solid:
@@ -263,7 +270,7 @@ def _solid_of(mesh: Any) -> _Solid:
     except OpenSurface as error:
         return _Solid(None, str(error), error.hint, *counts)
     inertial = _inertial(trimesh.Trimesh(merged.vertices, faces, process=False))
-    # the hull may be flat as well, so it is the box around that rounding is compared with
+    # compared with the bounding box, because the volume of the hull may be zero as well
     if not inertial.mass > _ROUNDING * float(np.ptp(merged.vertices, axis=0).max()) ** 3:
         return _Solid(None, "it encloses no volume", "give it a thickness", *counts)
     return _Solid(inertial, "", "", *counts)

@@ -1,8 +1,8 @@
-"""The files that objects of a scene name, meshes and URDFs, put where they are named, as texts."""
+"""Put the texts of meshes and URDFs in place of the paths that objects of a scene give."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -24,7 +24,7 @@ FILE_POINTERS: tuple[tuple[str, ...], ...] = (*_MESHES, *_URDFS, *_MESHES_OF_URD
 def include_object_files(
     document: Document, open_text: Callable[..., tuple[str, str]]
 ) -> tuple[Document, tuple[Problem, ...]]:
-    """Put a mapping of source and text in place of every path; return the faults as well.
+    """Put a mapping of source and text in place of every path; return the errors as well.
 
     `open_text` is `files.open_reference`. A URDF may name meshes in the folder of the scene.
     """
@@ -37,7 +37,7 @@ def include_object_files(
 
 
 def _mesh(text: str, source: str, naming: Span) -> Document:
-    # faults of a mesh are told where it is named: nobody looks for a line in it
+    # errors in a mesh are reported where it is named: nobody reads the lines of a mesh
     return Document(
         source, {"source": source, "text": text}, {source: text}, {(): (naming, naming)}
     )
@@ -53,33 +53,43 @@ def _urdf(text: str, source: str, naming: Span) -> Document:
 
 
 def with_pieces(document: Document, pieces: Callable[[str, str], str | None]) -> Document:
-    """Put the convex pieces beside every mesh of objects that have hulls: decompose.
+    """Return the document with convex pieces beside each mesh of objects with hulls: decompose.
 
-    `pieces(text, source)` gives them as an OBJ text, None if there are none to be had.
+    `pieces(text, source)` returns them as an OBJ text, or None if there are none.
     """
     data = document.data
-    objects = data.get("objects") if isinstance(data, Mapping) else None
-    if not isinstance(data, dict) or not isinstance(objects, list):
+    if not isinstance(data, dict) or not isinstance(data.get("objects"), list):
         return document
-    if not any(isinstance(one, dict) and one.get("hulls") == "decompose" for one in objects):
+    objects = data["objects"]
+    if not any(map(_is_decomposed, objects)):
         return document
-
-    def completed(file: Any) -> Any:
-        if isinstance(file, list):
-            return [completed(one) for one in file]
-        if not isinstance(file, dict) or "pieces" in file:
-            return file
-        if "meshes" in file:
-            return {**file, "meshes": completed(file["meshes"])}
-        if not isinstance(file.get("text"), str) or not isinstance(file.get("source"), str):
-            return file
-        found = pieces(file["text"], file["source"])
-        return file if found is None else {**file, "pieces": found}
-
-    changed = [
-        {key: completed(value) if key in ("mesh", "urdf") else value for key, value in one.items()}
-        if isinstance(one, dict) and one.get("hulls") == "decompose"
-        else one
-        for one in objects
+    completed = [
+        _object_with_pieces(one, pieces) if _is_decomposed(one) else one for one in objects
     ]
-    return replace(document, data={**data, "objects": changed})
+    return replace(document, data={**data, "objects": completed})
+
+
+def _is_decomposed(item: Any) -> bool:
+    return isinstance(item, dict) and item.get("hulls") == "decompose"
+
+
+def _object_with_pieces(
+    item: dict[str, Any], pieces: Callable[[str, str], str | None]
+) -> dict[str, Any]:
+    return {
+        key: _with_pieces(value, pieces) if key in ("mesh", "urdf") else value
+        for key, value in item.items()
+    }
+
+
+def _with_pieces(file: Any, pieces: Callable[[str, str], str | None]) -> Any:
+    """Return a mesh, a list of meshes or a URDF with its pieces, anything else unchanged."""
+    if isinstance(file, list):
+        return [_with_pieces(one, pieces) for one in file]
+    if not isinstance(file, dict) or "pieces" in file:
+        return file
+    if "meshes" in file:
+        return {**file, "meshes": _with_pieces(file["meshes"], pieces)}
+    text, source = file.get("text"), file.get("source")
+    found = pieces(text, source) if isinstance(text, str) and isinstance(source, str) else None
+    return file if found is None else {**file, "pieces": found}

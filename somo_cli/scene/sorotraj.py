@@ -1,10 +1,11 @@
 """Trajectories of several channels in the format of sorotraj 0.9, as one list of knots.
 
-A file has a main part, and may have a prefix before it and a suffix after it; each counts its own
-time. The main part is given by its knots (`direct`, `interp` with `none` or `linear`), sampled
-from a periodic spline through them (`cubic`) or from a wave form. Between knots values are linear,
-after the last one they are held. github.com/harvard-microrobotics/sorotraj, build_traj.py and
-interpolator.py of version 0.9.
+A file has a main part, and may have a prefix before it and a suffix after it. The knots of each
+part count time from the start of that part. The main part is given by its knots (`direct`, `interp`
+with `none` or `linear`), or sampled from a periodic spline through them (`cubic`) or from a wave
+form. Values are linear between knots, and constant after the last one.
+
+Source: github.com/harvard-microrobotics/sorotraj, build_traj.py and interpolator.py of version 0.9.
 """
 
 from __future__ import annotations
@@ -43,47 +44,65 @@ def read_trajectory(
     speed_factor: float = 1.0,
     invert: bool | Sequence[int] = False,
 ) -> Trajectory:
-    """Return the whole trajectory of a sound file.
+    """Return the whole trajectory of a file without errors.
 
     The main part comes `repetitions` times, faster by `speed_factor`; from the second time on it
     starts with its second knot. `invert` turns the sign of all channels, or of those it lists.
     """
-    config = data["config"]
-    setpoints = config.get("setpoints") or {}
+    setpoints = data["config"].get("setpoints") or {}
     prefix, suffix = (_read_knots(setpoints.get(part) or []) for part in ("prefix", "suffix"))
-    main = main_part_knots(data)
-    # as in 0.9: what is repeated counts from zero, whenever the first knot is
-    period = main[-1][0]
-    body = [main[0]]
-    for number in range(repetitions):
-        body += [(time + number * period, values) for time, values in main[1:]]
+    main = _repeated(main_part_knots(data), repetitions)
     start = prefix[-1][0] if prefix else 0.0
-    whole = prefix + [(start + time / speed_factor, values) for time, values in body]
-    end = whole[-1][0]
-    whole += [(end + time, values) for time, values in suffix]
-    signs = [1.0] * len(whole[0][1])
+    knots = prefix + [(start + time / speed_factor, values) for time, values in main]
+    end = knots[-1][0]
+    knots += [(end + time, values) for time, values in suffix]
+    return _strictly_increasing(_inverted(knots, invert))
+
+
+def _repeated(knots: Knots, repetitions: int) -> Knots:
+    # as in 0.9: the period counts from time zero, even if the first knot comes later
+    period = knots[-1][0]
+    repeated = [knots[0]]
+    for number in range(repetitions):
+        repeated += [(time + number * period, values) for time, values in knots[1:]]
+    return repeated
+
+
+def _inverted(knots: Knots, invert: bool | Sequence[int]) -> Knots:
+    """Return the knots with the sign of all channels turned, or of those that `invert` lists."""
+    signs = [1.0] * len(knots[0][1])
     for channel in range(len(signs)) if invert is True else invert or ():
         signs[channel] = -1.0
+    return [
+        (time, tuple(sign * value for sign, value in zip(signs, values, strict=True)))
+        for time, values in knots
+    ]
+
+
+def _strictly_increasing(knots: Knots) -> Trajectory:
+    """Return the knots as a trajectory; where two parts meet, their times may be equal.
+
+    Of two equal knots one stays. Different values at one time become a jump to the next float.
+    """
     times: list[float] = []
     values: list[tuple[float, ...]] = []
-    for time, row in whole:
-        signed = tuple(sign * value for sign, value in zip(signs, row, strict=True))
-        if times and time <= times[-1]:
-            if signed == values[-1]:
-                continue
-            if times[-1] == 0.0:
-                # a part of one knot at time zero takes no time: the next part begins at once
-                values[-1] = signed
-                continue
-            # two parts that meet with different values jump just after they meet
-            time = math.nextafter(times[-1], math.inf)
-        times.append(time)
-        values.append(signed)
+    for time, row in knots:
+        if not times or time > times[-1]:
+            times.append(time)
+            values.append(row)
+        elif row == values[-1]:
+            continue
+        elif times[-1] == 0.0:
+            # a part with one knot at time zero takes no time: the next part begins at once
+            values[-1] = row
+        else:
+            times.append(math.nextafter(times[-1], math.inf))
+            values.append(row)
     return Trajectory(tuple(times), tuple(values))
 
 
 def main_part_knots(data: Mapping[str, Any]) -> Knots:
-    """Return the knots of the main part of a sound file, its own time."""
+    """Return the knots of the main part of a file without errors, in the time of that part."""
     config = data["config"]
     kind = data["settings"]["traj_type"]
     if kind == "waveform":

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from somo_cli.document.validate import MAX_NUMBER
 from somo_cli.manipulator import geometry, solids
@@ -41,10 +42,11 @@ class PlacedSolid:
 
 @dataclass(frozen=True, slots=True)
 class UrdfLink:
-    """Mass and inertia of one link in the frame of the root link, and the place of the inertia.
+    """Mass and inertia of one link in the frame of the root link.
 
-    `declared` is what the file says, None if it says nothing or no mass; `filled` is that of the
-    shapes at unit density, parts that overlap counting twice, None if there are none.
+    `declared` is from the file, None without a mass there. `filled` is that of the shapes at unit
+    density, None without shapes; where shapes overlap, it counts the volume of each. `span` is the
+    place of the inertia in the file, or of the link if there is none.
     """
 
     name: str
@@ -55,11 +57,11 @@ class UrdfLink:
 
 @dataclass(slots=True)
 class UrdfRigidBody:
-    """What a URDF says of one rigid body, in the frame of its root link, and what is wrong with it.
+    """One rigid body that a URDF describes, in the frame of its root link, and the errors in it.
 
-    `links_without_inertia` has the places of links that have a shape and no inertia. Shapes are
-    those of collision; where there is none in the file they are visual, and `is_drawn_only`.
-    `meshes` are the places and the properties of the meshes among them.
+    `solids` are the collision shapes, or the visual shapes if the file has no collision shape;
+    `is_drawn_only` says so. `meshes` has the place, name and properties of each mesh among them.
+    `links_without_inertia` has the name and place of each link with a shape and no inertia.
     """
 
     span: Span
@@ -72,7 +74,7 @@ class UrdfRigidBody:
 
     @property
     def inertials(self) -> list[Inertial]:
-        """What the file says of mass and inertia of its links, of those that have a mass."""
+        """The mass and inertia that the file gives, of each link with a mass."""
         return [one.declared for one in self.links if one.declared is not None]
 
 
@@ -82,7 +84,10 @@ def read_rigid_body(
     meshes: Mapping[str, MeshFile],
     hulls: Hulls | None = None,
 ) -> UrdfRigidBody:
-    """Return the body of a URDF; `meshes` are the files that it names, `hulls` as for a mesh."""
+    """Return the body that the URDF `text` describes, with the errors in its `problems`.
+
+    `meshes` has the mesh files by the names in the URDF; `hulls` is as in `mesh_properties`.
+    """
     body = UrdfRigidBody(Span(source, 1, 1))
     try:
         root = urdf_xml.parse_xml(text, source)
@@ -124,47 +129,87 @@ def _elements_by_name(body: UrdfRigidBody, root: XmlElement, tag: str) -> dict[s
 def _poses(
     body: UrdfRigidBody, root: XmlElement, links: Mapping[str, XmlElement]
 ) -> dict[str, Pose]:
-    """Return the pose of every link in the root link."""
-    joints: dict[str, tuple[str, Pose]] = {}  # of the child: its parent, and its pose there
-    for joint in root.children_with_tag("joint"):
-        name = joint.attributes.get("name", "")
-        kind = joint.attributes.get("type", "")
-        if kind != "fixed":
-            hint = "an object is one rigid body: make it fixed, or describe a manipulator"
-            _report(body, joint, f"joint '{name}' is {kind or 'of no type'}, not fixed", hint)
-        ends = [joint.first_child_with_tag(end) for end in ("parent", "child")]
-        parent, child = (end.attributes.get("link", "") if end else "" for end in ends)
+    """Return the pose of every link in the frame of the root link, in the order of `links`.
+
+    Reports the joints that do not make one tree of the links. Links that no fixed joint connects to
+    the root link are left out; without a single root link there are no poses.
+    """
+    joints = _joints_by_child(body, root, links)
+    root_link = _root_link(body, root, links, joints)
+    if root_link is None:
+        return {}
+    poses = {root_link: Pose()}
+    waiting = dict(joints)
+    while waiting:
+        ready = [child for child, joint in waiting.items() if joint.parent in poses]
+        if not ready:
+            in_circle = links[next(iter(waiting))]
+            _report(body, in_circle, "this link hangs on itself", "join all to one link")
+            break
+        for child in ready:
+            joint = waiting.pop(child)
+            poses[child] = _composed(poses[joint.parent], joint.pose)
+    return {name: poses[name] for name in links if name in poses}
+
+
+class _Joint(NamedTuple):
+    """The parent link of a joint, and the pose of the child link in the frame of the parent."""
+
+    parent: str
+    pose: Pose
+
+
+def _joints_by_child(
+    body: UrdfRigidBody, root: XmlElement, links: Mapping[str, XmlElement]
+) -> dict[str, _Joint]:
+    """Return the joint above each child link; report joints that cannot be used."""
+    joints: dict[str, _Joint] = {}
+    for element in root.children_with_tag("joint"):
+        name = element.attributes.get("name", "")
+        _require_fixed(body, element, name)
+        parent, child = _linked_name(element, "parent"), _linked_name(element, "child")
         unknown = [one for one in (parent, child) if one not in links]
         if unknown:
             known = f"links: {', '.join(links) or 'none'}"
-            _report(body, joint, f"joint '{name}' joins '{unknown[0]}', which is no link", known)
+            _report(body, element, f"joint '{name}' joins '{unknown[0]}', which is no link", known)
         elif child in joints:
-            _report(body, joint, f"link '{child}' has two parents")
+            _report(body, element, f"link '{child}' has two parents")
         else:
-            joints[child] = (parent, _origin(body, joint))
+            joints[child] = _Joint(parent, _origin(body, element))
+    return joints
+
+
+def _require_fixed(body: UrdfRigidBody, joint: XmlElement, name: str) -> None:
+    kind = joint.attributes.get("type", "")
+    if kind != "fixed":
+        hint = "an object is one rigid body: make it fixed, or describe a manipulator"
+        _report(body, joint, f"joint '{name}' is {kind or 'of no type'}, not fixed", hint)
+
+
+def _linked_name(joint: XmlElement, end: str) -> str:
+    """Return the name of the link at the `end` of a joint, parent or child; empty without one."""
+    element = joint.first_child_with_tag(end)
+    return element.attributes.get("link", "") if element else ""
+
+
+def _root_link(
+    body: UrdfRigidBody,
+    root: XmlElement,
+    links: Mapping[str, XmlElement],
+    joints: Mapping[str, _Joint],
+) -> str | None:
+    """Return the one link without a parent; report and return None if there is not just one."""
     roots = [name for name in links if name not in joints]
-    if len(roots) != 1:
-        if not body.problems:
-            several = f"there are {len(roots)} links without a parent: {', '.join(roots)}"
-            none = "every link has a parent" if links else "there is no link in it"
-            _report(body, root, several if roots else none, "join all to one link")
-        return {}
-    poses = {roots[0]: Pose()}
-    waiting = dict(joints)
-    while waiting:
-        ready = [child for child, (parent, _) in waiting.items() if parent in poses]
-        if not ready:
-            _report(
-                body,
-                links[next(iter(waiting))],
-                "this link hangs on itself",
-                "join all to one link",
-            )
-            break
-        for child in ready:
-            parent, pose = waiting.pop(child)
-            poses[child] = _composed(poses[parent], pose)
-    return {name: poses[name] for name in links if name in poses}
+    if len(roots) == 1:
+        return roots[0]
+    if body.problems:  # an earlier error may be the cause
+        return None
+    if roots:
+        message = f"there are {len(roots)} links without a parent: {', '.join(roots)}"
+    else:
+        message = "every link has a parent" if links else "there is no link in it"
+    _report(body, root, message, "join all to one link")
+    return None
 
 
 def _composed(outer: Pose, inner: Pose) -> Pose:
@@ -183,7 +228,7 @@ def _origin(body: UrdfRigidBody, element: XmlElement) -> Pose:
 def _numbers(
     body: UrdfRigidBody, element: XmlElement, name: str, count: int, default: str | None = None
 ) -> list[float]:
-    """Return the numbers of an attribute; ones in place of what is at fault, which is told."""
+    """Return the numbers of an attribute; if they are wrong, report it and return ones."""
     text = element.attributes.get(name, default)
     words = "one number" if count == 1 else f"{count} numbers"
     if text is None:
@@ -215,7 +260,7 @@ def _positive_numbers(
 
 @dataclass(frozen=True, slots=True)
 class _Shapes:
-    """Which elements are the shapes of links, and how meshes among them are read."""
+    """The tag of the elements that are shapes, the mesh files by name, and how to take hulls."""
 
     tag: str
     meshes: Mapping[str, MeshFile]
@@ -263,14 +308,14 @@ def _declared_inertial(
 
 
 def _default_inertia(name: str) -> str | None:
-    """Return what a moment or product of inertia is if left out."""
+    """Return the default of a moment or product of inertia, None for those that must be given."""
     return None if name in ("ixx", "iyy", "izz") else "0"
 
 
 def _solids(
     body: UrdfRigidBody, owner: XmlElement, shapes: _Shapes
 ) -> tuple[Sequence[AnySolid], Inertial | None]:
-    """Return the solids of a collision or a visual, and what fills them at unit density."""
+    """Return the solids of a collision or visual element, and their inertia at unit density."""
     shape = owner.first_child_with_tag("geometry")
     element = next(iter(shape.children), None) if shape else None
     if element is None:
@@ -309,7 +354,7 @@ def _mesh(body: UrdfRigidBody, element: XmlElement, shapes: _Shapes) -> MeshProp
         _report(body, element, f"scale of <mesh> is '{element.attributes['scale']}'", "none is 0")
         return None
     if name not in shapes.meshes:
-        # only of a URDF in place: where a file names one that cannot be read, that is told
+        # only for a URDF given as text: for a file, reading the mesh has already failed
         _report(body, element, f"mesh '{name}' is not given", "meshes has one file for each name")
         return None
     file = shapes.meshes[name]

@@ -1,4 +1,4 @@
-"""Faults of meaning in what objects stand on, each with its place."""
+"""Errors in what objects stand on, each with its place."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from somo_cli.scene.contact_surface import GROUND_NAME
 def placement_problems(
     document: Document, objects: list[Any], is_sound: IsSound
 ) -> Iterator[Problem]:
-    """Yield every place that names nothing, and every circle of places."""
+    """Yield an error for each unknown object to stand on, and for each circle of objects."""
     names = [item["name"] for item in objects if isinstance(item, Mapping) and "name" in item]
     has_ground = isinstance(document.data, Mapping) and "ground" in document.data
     on: dict[str, str] = {}
@@ -47,22 +47,29 @@ def _known_objects_hint(name: str, names: list[str], has_ground: bool) -> str:
 def _circular_placements(
     document: Document, objects: list[Any], on: Mapping[str, str]
 ) -> Iterator[Problem]:
-    """Yield one fault for each circle, at the first object of it in the file."""
+    """Yield one error for each circle, at the first object of it in the file."""
     reported: set[str] = set()
     for index, item in enumerate(objects):
         start = str(item.get("name")) if isinstance(item, Mapping) else ""
-        if start in reported:
-            continue
-        chain = [start]
-        while chain[-1] in on and on[chain[-1]] not in chain:
-            chain.append(on[chain[-1]])
-        if on.get(chain[-1]) != start:
-            continue
-        reported.update(chain)
-        place = document.span(("objects", index, "place", "on"))
-        if len(chain) == 1:
-            message = f"'{start}' cannot stand on itself"
-        else:
-            circle = " on ".join(f"'{name}'" for name in (*chain, start))
-            message = f"objects stand on each other in a circle: {circle}"
-        yield Problem(place, message, "let one of them stand on something else")
+        circle = [] if start in reported else _circle_from(start, on)
+        if circle:
+            reported.update(circle)
+            yield _circle_problem(document, index, circle)
+
+
+def _circle_from(start: str, on: Mapping[str, str]) -> list[str]:
+    """Return the objects below `start`, itself first, if the last stands on it, else none."""
+    chain = [start]
+    while chain[-1] in on and on[chain[-1]] not in chain:
+        chain.append(on[chain[-1]])
+    return chain if on.get(chain[-1]) == start else []
+
+
+def _circle_problem(document: Document, index: int, circle: list[str]) -> Problem:
+    if len(circle) == 1:
+        message = f"'{circle[0]}' cannot stand on itself"
+    else:
+        names = " on ".join(f"'{name}'" for name in (*circle, circle[0]))
+        message = f"objects stand on each other in a circle: {names}"
+    place = document.span(("objects", index, "place", "on"))
+    return Problem(place, message, "let one of them stand on something else")

@@ -1,4 +1,4 @@
-"""Faults of meaning in a scene, each with its place; those of its definitions come along."""
+"""Errors and warnings about a scene and its definitions, each with its place."""
 
 from __future__ import annotations
 
@@ -9,22 +9,17 @@ from somo_cli.document.include import unresolved_references
 from somo_cli.document.parse import Document
 from somo_cli.document.validate import schema_problems, soundness_test
 from somo_cli.manipulator import assembly, assembly_checks
-from somo_cli.manipulator.chain import Chain
-from somo_cli.manipulator.compile import compile_sound
 from somo_cli.manipulator.definition_checks import IsSound
 from somo_cli.manipulator.dimensions import Scale
 from somo_cli.problems import Pointer, Problem, has_errors, in_reading_order
 from somo_cli.scene import object_files
-from somo_cli.scene.checks import actuation as actuation_checks
-from somo_cli.scene.checks import ground as ground_checks
-from somo_cli.scene.checks import loads as loads_checks
-from somo_cli.scene.checks import motion as motion_checks
 from somo_cli.scene.checks import objects as objects_checks
 from somo_cli.scene.checks import recording as recording_checks
 from somo_cli.scene.checks import soft_ground as soft_ground_checks
 from somo_cli.scene.checks import sorotraj as sorotraj_checks
 from somo_cli.scene.checks import stop_conditions as stop_conditions_checks
-from somo_cli.scene.model import FILE_POINTERS, manipulator_name_of, values_per_joint
+from somo_cli.scene.checks.manipulator import manipulator_problems
+from somo_cli.scene.model import FILE_POINTERS, manipulator_name_of
 
 
 def scene_problems(document: Document) -> tuple[Problem, ...]:
@@ -46,7 +41,7 @@ def scene_problems(document: Document) -> tuple[Problem, ...]:
         for index, item in enumerate(manipulators):
             if isinstance(item, Mapping):
                 problems.extend(
-                    _manipulator_problems(document, index, item, is_sound, channel_counts)
+                    manipulator_problems(document, index, item, is_sound, channel_counts)
                 )
         problems.extend(_name_problems(document, manipulators, is_sound))
         problems.extend(_scale_problems(document, manipulators, is_sound))
@@ -62,7 +57,10 @@ def _is_below_any(pointer: Pointer, places: Mapping[Pointer, Problem]) -> bool:
 
 
 def _misplaced_files(document: Document) -> Mapping[Pointer, Problem]:
-    """Return what to say in place of everything that makes another kind of file no definition."""
+    """Return, by pointer, one error for each file named as a definition that is of another kind.
+
+    It replaces the errors of the schema below that pointer.
+    """
     data = document.data
     manipulators = data.get("manipulators") if isinstance(data, Mapping) else None
     misplaced_files: dict[Pointer, Problem] = {}
@@ -130,102 +128,3 @@ def _scale_problems(
                 f"the first one {first.described()}",
                 "give the scene a world_scale of its own",
             )
-
-
-def _manipulator_problems(
-    document: Document,
-    index: int,
-    data: Mapping[str, Any],
-    is_sound: IsSound,
-    channel_counts: Mapping[str, int | None],
-) -> Iterator[Problem]:
-    at: Pointer = ("manipulators", index)
-    definition_problems: list[Problem] = []
-    if "definition" in data:
-        definition_problems.extend(
-            assembly_checks.assembly_problems(document, (*at, "definition"), is_sound)
-        )
-    yield from definition_problems
-    base = data.get("base", "static")
-    for key in ("linear_velocity", "angular_velocity"):
-        if key in data and base in ("static", "constrained"):
-            yield Problem(
-                document.span((*at, key), key=True),
-                f"{key} is for a base that can move, this one is {base}",
-                "set base: free, or leave it out",
-            )
-    if "motion" in data and is_sound((*at, "motion")) and isinstance(data["motion"], Mapping):
-        place = (*at, "motion")
-        yield from motion_checks.base_motion_problems(document, place, data["motion"], str(base))
-    actuation = data.get("actuation")
-    entries = actuation if isinstance(actuation, list) else []
-    for number, entry in enumerate(entries):
-        place = (*at, "actuation", number)
-        if isinstance(entry, Mapping) and is_sound(place):
-            yield from actuation_checks.actuation_problems(document, place, entry)
-    is_compilable = is_sound((*at, "definition")) and "definition" in data
-    loads = data.get("loads")
-    loads = loads if isinstance(loads, list) else []
-    for number, entry in enumerate(loads):
-        place = (*at, "loads", number)
-        if isinstance(entry, Mapping) and is_sound(place):
-            yield from loads_checks.load_problems(document, place, entry, str(base))
-    if is_compilable and not has_errors(definition_problems):
-        compiled = compile_sound(document, (*at, "definition"), ())
-        if not compiled.chain.joints:
-            yield Problem(
-                document.span((*at, "definition")),
-                "no joint of this manipulator moves, so there is nothing to simulate",
-            )
-        yield from _start_problems(document, at, data, compiled.chain, is_sound)
-        yield from ground_checks.ground_problems(document, at, data, compiled.chain, is_sound)
-        if is_sound((*at, "actuation")):
-            place = (*at, "actuation")
-            yield from actuation_checks.actuation_target_problems(
-                document, place, entries, compiled, channel_counts
-            )
-        for number, entry in enumerate(loads):
-            place = (*at, "loads", number)
-            if is_sound(place):
-                yield from loads_checks.load_link_problems(document, place, entry, compiled.chain)
-
-
-def _start_problems(
-    document: Document, at: Pointer, data: Mapping[str, Any], chain: Chain, is_sound: IsSound
-) -> Iterator[Problem]:
-    count = len(chain.joints)
-    has_counts = True
-    for key in ("initial_angles", "initial_rates"):
-        values = data.get(key)
-        if is_sound((*at, key)) and isinstance(values, list) and len(values) != count:
-            yield Problem(
-                document.span((*at, key)),
-                f"{key} has {len(values)} values for {count} joints",
-                "give one value per joint, base to tip, or one number for all",
-            )
-            has_counts = False
-    if has_counts and is_sound((*at, "initial_angles")):
-        yield from _joint_limit_problems(document, at, data.get("initial_angles"), chain)
-
-
-def _joint_limit_problems(
-    document: Document, at: Pointer, initial_angles: Any, chain: Chain
-) -> Iterator[Problem]:
-    place = document.span((*at, "initial_angles"))
-    if initial_angles is None:
-        place = document.span((*at, "definition"), key=True)
-    angles = values_per_joint(initial_angles or 0, len(chain.joints))
-    for index, (joint, angle) in enumerate(zip(chain.joints, angles, strict=True)):
-        if not joint.is_limited or joint.lower <= angle <= joint.upper:
-            continue
-        is_list = isinstance(initial_angles, list)
-        yield Problem(
-            document.span((*at, "initial_angles", index)) if is_list else place,
-            f"joint '{joint.name}' starts at {angle:g} rad, outside its limits "
-            f"[{joint.lower:g}, {joint.upper:g}]",
-            "set initial_angles"
-            if initial_angles is None
-            else "start within the limits, or widen them in the definition",
-        )
-        if not is_list:  # one number for all joints is one fault
-            return

@@ -1,4 +1,4 @@
-"""Faults of trajectories in the format of sorotraj, each with its place."""
+"""Errors in trajectories in the format of sorotraj, each with its place."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ _CHANNEL_LIST_KEYS = ("waveform_max", "waveform_min", "channels")
 
 
 def is_trajectory(document: Document) -> bool:
-    """Tell a trajectory from a definition and a scene, by its keys."""
+    """Return whether a document has the keys of a trajectory, not of a definition or scene."""
     data = document.data
     return isinstance(data, dict) and {"settings", "config"} <= data.keys()
 
 
 def trajectory_file_problems(document: Document) -> tuple[Problem, ...]:
-    """Return every error about a trajectory by itself."""
+    """Return every error in a trajectory file."""
     problems = [fault.problem for fault in schema_problems(document, "sorotraj")]
     if not problems:
         problems.extend(trajectory_problems(document, (), cast(Mapping[str, Any], document.data)))
@@ -36,7 +36,7 @@ def _trajectory_entries(document: Document) -> list[Any]:
 
 
 def scene_trajectory_problems(document: Document, is_sound: IsSound) -> Iterator[Problem]:
-    """Yield the faults of the trajectories that a scene names."""
+    """Yield the errors of the trajectories that a scene names."""
     seen: set[str] = set()
     for index, item in enumerate(_trajectory_entries(document)):
         at: Pointer = ("trajectories", index)
@@ -51,7 +51,7 @@ def scene_trajectory_problems(document: Document, is_sound: IsSound) -> Iterator
 
 
 def channel_counts_by_trajectory(document: Document, is_sound: IsSound) -> Mapping[str, int | None]:
-    """Return how many channels every trajectory has, None for those at fault."""
+    """Return the number of channels of each trajectory, None for those with errors."""
     return {
         str(item["name"]): channel_count(item["sorotraj"])
         if is_sound(("trajectories", index))
@@ -64,9 +64,8 @@ def channel_counts_by_trajectory(document: Document, is_sound: IsSound) -> Mappi
 def trajectory_problems(
     document: Document, at: Pointer, data: Mapping[str, Any]
 ) -> Iterator[Problem]:
-    """Yield the faults of a file at `at` that has the shape its schema asks for."""
+    """Yield the errors of a file at `at` whose shape the schema has accepted."""
     config = data["config"]
-    kind = data["settings"]["traj_type"]
     here: Pointer = (*at, "config")
     setpoints = config.get("setpoints") or {}
     count = channel_count(data)
@@ -74,26 +73,12 @@ def trajectory_problems(
         yield from _knot_problems(
             document, (*here, "setpoints", part), setpoints.get(part) or [], count
         )
-    needs_samples = False
-    if kind == "waveform":
+    if data["settings"]["traj_type"] == "waveform":
         yield from _waveform_problems(document, here, config)
-        needs_samples = config.get("waveform_type") in SAMPLED_WAVEFORMS
-        if setpoints.get("main"):
-            place = document.span((*here, "setpoints", "main"), key=True)
-            message = "a waveform has no knots of its main part"
-            yield Problem(place, message, "leave them out, or use traj_type: direct")
     else:
-        main = setpoints.get("main") or []
-        if len(main) < 2:
-            place = document.span((*here, "setpoints", "main"), key=bool(not main))
-            yield Problem(place, f"the main part has {len(main)} knots", "give two or more")
-        elif kind == "interp" and config.get("interp_type") == "cubic":
-            needs_samples = True
-            if main[0][1:] != main[-1][1:]:
-                place = document.span((*here, "setpoints", "main", len(main) - 1))
-                message = "a cubic main part must end with the values it starts with"
-                yield Problem(place, message, f"end with {main[0][1:]}, or use linear")
-    if needs_samples and config.get("subsample_num") is None:
+        is_cubic = _is_cubic(data)
+        yield from _main_part_problems(document, here, setpoints.get("main") or [], is_cubic)
+    if _needs_samples(data) and config.get("subsample_num") is None:
         yield Problem(
             document.span(here, key=True),
             "missing key 'subsample_num'",
@@ -101,10 +86,37 @@ def trajectory_problems(
         )
 
 
+def _is_cubic(data: Mapping[str, Any]) -> bool:
+    kind: str = data["settings"]["traj_type"]
+    return kind == "interp" and bool(data["config"].get("interp_type") == "cubic")
+
+
+def _needs_samples(data: Mapping[str, Any]) -> bool:
+    """Return whether sorotraj takes samples of the main part."""
+    config = data["config"]
+    if data["settings"]["traj_type"] == "waveform":
+        return config.get("waveform_type") in SAMPLED_WAVEFORMS
+    main = (config.get("setpoints") or {}).get("main") or []
+    return len(main) > 1 and _is_cubic(data)
+
+
+def _main_part_problems(
+    document: Document, at: Pointer, rows: list[list[float]], is_cubic: bool
+) -> Iterator[Problem]:
+    """Yield the errors of a main part that is given by its knots."""
+    if len(rows) < 2:
+        place = document.span((*at, "setpoints", "main"), key=not rows)
+        yield Problem(place, f"the main part has {len(rows)} knots", "give two or more")
+    elif is_cubic and rows[0][1:] != rows[-1][1:]:
+        place = document.span((*at, "setpoints", "main", len(rows) - 1))
+        message = "a cubic main part must end with the values it starts with"
+        yield Problem(place, message, f"end with {rows[0][1:]}, or use linear")
+
+
 def trajectory_use_problems(
     document: Document, at: Pointer, data: Mapping[str, Any]
 ) -> Iterator[Problem]:
-    """Yield the faults of how the sound trajectory of an entry at `at` is run."""
+    """Yield the errors of how the entry at `at` uses a trajectory without errors."""
     count = channel_count(data["sorotraj"])
     invert = data.get("invert")
     for index, channel in enumerate(invert if isinstance(invert, list) else ()):
@@ -117,7 +129,7 @@ def trajectory_use_problems(
 
 
 def channel_count(data: Mapping[str, Any]) -> int:
-    """Return how many channels a file has, by the first place that tells."""
+    """Return the number of channels, from `channels` of a waveform or the first main knot."""
     config = data["config"]
     if data["settings"]["traj_type"] == "waveform":
         return len(config.get("channels") or ())
@@ -163,3 +175,7 @@ def _waveform_problems(
             f"the lists differ in the number of channels: {said}",
             "give one value per channel in each",
         )
+    if (config.get("setpoints") or {}).get("main"):
+        place = document.span((*at, "setpoints", "main"), key=True)
+        message = "a waveform has no knots of its main part"
+        yield Problem(place, message, "leave them out, or use traj_type: direct")
