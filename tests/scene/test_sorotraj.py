@@ -228,6 +228,15 @@ def test_nothing_is_said_of_sound_files(data: Data) -> None:
                 "channels 4"
             ],
         ),
+        (
+            file_of("waveform", {}, waveform_type="square", waveform_freq=1, num_cycles=2,
+                    waveform_max=[1, 2], waveform_min=[0, 0, 0, 0]),
+            {},
+            [
+                "missing key 'channels'",
+                "the lists differ in the number of channels: waveform_max 2, waveform_min 4",
+            ],
+        ),
         (file_of(), {"invert": [0, 3]}, ["there is no channel 3"]),
     ],
 )  # fmt: skip

@@ -169,7 +169,8 @@ def _waveform_problems(
     lengths = {key: len(config[key]) for key in _CHANNEL_LIST_KEYS if key not in missing}
     if len(set(lengths.values())) > 1:
         said = ", ".join(f"{key} {length}" for key, length in lengths.items())
-        key = next(key for key in lengths if lengths[key] != lengths[_CHANNEL_LIST_KEYS[-1]])
+        *_, last = lengths.values()
+        key = next(key for key in lengths if lengths[key] != last)
         yield Problem(
             document.span((*at, key)),
             f"the lists differ in the number of channels: {said}",
