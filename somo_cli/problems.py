@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Literal, TypeAlias
 
 Pointer: TypeAlias = tuple[str | int, ...]
@@ -53,6 +54,21 @@ def has_errors(problems: Iterable[Problem]) -> bool:
 def has_warnings(problems: Iterable[Problem]) -> bool:
     """Whether one of the problems is a warning."""
     return any(problem.severity == "warning" for problem in problems)
+
+
+def did_you_mean(name: object, known: Iterable[str], likeness: float = 0.6) -> str:
+    """Return a hint with the known name that is most like `name`; empty if none is like it.
+
+    `likeness` is the least ratio of matching characters, from 0 to 1, as `difflib` has it.
+    """
+    close = closest_name(name, known, likeness)
+    return f"did you mean '{close}'?" if close else ""
+
+
+def closest_name(name: object, known: Iterable[str], likeness: float = 0.6) -> str:
+    """Return the known name that is most like `name`; empty if none is, or `name` is no text."""
+    close = get_close_matches(name, known, 1, likeness) if isinstance(name, str) else []
+    return close[0] if close else ""
 
 
 def in_reading_order(

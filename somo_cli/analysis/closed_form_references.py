@@ -12,7 +12,6 @@ import numpy as np
 from somo_cli.analysis.reference import Reference
 from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
-from somo_cli.manipulator.kinematics import Pose
 from somo_cli.scene import columns
 from somo_cli.scene.model import ExternalLoad, Manipulator, Scene
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
@@ -137,7 +136,7 @@ def _joint_motion(scene: Scene, times: Array) -> Array:
     if one.compiled.chain.joints[0].friction:
         raise ReferenceMismatch("it is about a joint without dry friction")
     joint = one.compiled.chain.joints[0]
-    base = Pose(one.position, geometry.rotation_from_rpy(one.rpy))
+    base = one.pose
     angle, rate = one.initial_angles[0], one.initial_rates[0]
     inertia = float(chain.at([angle], base).joint_inertia()[0, 0])
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from difflib import get_close_matches
 
 from somo_cli.document.parse import Document, parse
-from somo_cli.problems import InvalidFile, Pointer, Problem, Span
+from somo_cli.problems import InvalidFile, Pointer, Problem, Span, did_you_mean
 
 _STEP = re.compile(r"(?P<dot>\.?)(?P<name>[^.\[\]=\s'\"]+)|\[(?P<index>[0-9]{1,9})\]")
 _NOT_SET = "'{}' does not say what to set"
@@ -15,17 +14,12 @@ _NO_VALUE = "there is no value after the '='"
 _EXAMPLE = "write it like links[0].mass=0.1"
 
 
-def embed(document: Document, pointer: Pointer, part: Document) -> Document:
-    """Put the root of a part in place of the value at a pointer, with its spans and texts.
-
-    The key keeps its place. The last step may be a new key of an existing mapping; anything
-    else that is not there raises KeyError.
-    """
-    return embed_all(document, {pointer: part})
-
-
 def embed_all(document: Document, parts: Mapping[Pointer, Document]) -> Document:
-    """Embed several parts at once; no place may lie inside another."""
+    """Replace the value at each pointer by the root of a part, with its spans and texts.
+
+    No pointer may lie inside another. A key keeps its place. The last step may be a new key of an
+    existing mapping; any other pointer to nothing raises KeyError.
+    """
     keys = {pointer: document.span(pointer, key=True) for pointer in parts}
     return _replace(document, parts, keys)
 
@@ -105,7 +99,7 @@ def _value_at(holder: object, key: str, span: Span, name: str, may_be_new: bool)
         hint = "name an index, such as [0]" if isinstance(holder, list) else ""
         raise _refusal(span, f"{name} is not a mapping", hint)
     if key not in holder and not may_be_new:
-        raise _refusal(span, f"{name} has no key '{key}'", _nearest(key, holder))
+        raise _refusal(span, f"{name} has no key '{key}'", _known_keys_hint(key, holder))
     return holder.get(key)
 
 
@@ -178,6 +172,5 @@ def _written(pointer: Pointer) -> str:
     return "'" + "".join(steps).removeprefix(".") + "'"
 
 
-def _nearest(name: str, known: Mapping[str, object]) -> str:
-    close = get_close_matches(name, known, n=1)
-    return f"did you mean '{close[0]}'?" if close else f"known keys: {', '.join(known)}"
+def _known_keys_hint(name: str, known: Mapping[str, object]) -> str:
+    return did_you_mean(name, known) or f"known keys: {', '.join(known)}"

@@ -6,10 +6,9 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from itertools import dropwhile
 
-from somo_cli.problems import LINE_BREAK, InvalidFile, Problem, Span
+from somo_cli.problems import LINE_BREAK, InvalidFile, Problem, Span, did_you_mean
 
 MAX_PROBLEMS = 20
 """The most faults of one file that are reported: what is wrong in one row is often so in all."""
@@ -105,7 +104,7 @@ def table_problems(
     header = LINE_BREAK.split(table.text)[table.lines[0] - 1]
     place = _line_span(header, Span(table.source, table.lines[0], 1))
     problems = [
-        Problem(place, f"there is no column '{name}'", _nearest(name, table.names))
+        Problem(place, f"there is no column '{name}'", _known_columns_hint(name, table.names))
         for name in columns
         if name not in table.columns
     ]
@@ -249,9 +248,8 @@ def _line_span(line: str, place: Span) -> Span:
     return Span(place.source, place.line, column, len(line.strip()))
 
 
-def _nearest(name: str, known: Sequence[str]) -> str:
-    close = get_close_matches(name, known, n=1)
-    return f"did you mean '{close[0]}'?" if close else f"known columns: {', '.join(known)}"
+def _known_columns_hint(name: str, known: Sequence[str]) -> str:
+    return did_you_mean(name, known) or f"known columns: {', '.join(known)}"
 
 
 def _count(number: int, thing: str) -> str:

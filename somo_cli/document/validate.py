@@ -6,7 +6,6 @@ import json
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -19,7 +18,7 @@ from referencing import Registry, Resource
 from referencing.jsonschema import DRAFT202012
 
 from somo_cli.document.parse import Document
-from somo_cli.problems import Pointer, Problem, in_reading_order
+from somo_cli.problems import Pointer, Problem, closest_name, did_you_mean, in_reading_order
 
 _SUFFIX = ".schema.json"
 _FOLDERS = (
@@ -78,18 +77,12 @@ class SchemaProblem:
     problem: Problem
 
 
-def problems_in(document: Document, schema_name: str) -> tuple[Problem, ...]:
-    """Judge the shape of a document; return every problem, in reading order.
-
-    A schema may put "x-message" and "x-hint" beside a keyword to say it in its own words;
-    "{value}" in them stands for the value, "{found}" for the value and its kind.
-    """
-    faults = schema_problems(document, schema_name)
-    return in_reading_order((fault.problem for fault in faults), document.texts)
-
-
 def schema_problems(document: Document, schema_name: str) -> tuple[SchemaProblem, ...]:
-    """Judge the shape of a document as `problems_in` does, and keep what each fault is about."""
+    """Return every way in which a document does not fit a schema, in reading order.
+
+    A schema may put "x-message" and "x-hint" beside a keyword, in place of our words; "{value}" in
+    them stands for the value, "{found}" for the value and its kind.
+    """
     errors = list(_validator(schema_name).iter_errors(document.data))
     faults = dict.fromkeys(_ErrorTranslator(document, schema_name).faults(errors))
     flawed = {fault.pointer for fault in faults}
@@ -225,7 +218,7 @@ class _ErrorTranslator:
         self, pointer: Pointer, unknown: Iterable[str], known: Sequence[str]
     ) -> Iterator[_Finding]:
         for key in unknown:
-            hint = _nearest(key, known) or f"known keys: {', '.join(known) or 'none'}"
+            hint = did_you_mean(key, known) or f"known keys: {', '.join(known) or 'none'}"
             yield (*pointer, key), True, f"unknown key '{key}'", hint
 
     def _unevaluated(
@@ -280,7 +273,7 @@ class _ErrorTranslator:
         for view in self._views(pointer):
             if view.get("additionalProperties") is False:
                 unknown, known = _surplus(view, value)
-                meant.update(_closest(key, known) for key in unknown)
+                meant.update(closest_name(key, known) for key in unknown)
         return meant
 
     def _views(self, pointer: Pointer) -> Iterator[Schema]:
@@ -466,16 +459,6 @@ def _plural(count: int, thing: str) -> str:
     return f"{count} {thing}" if count == 1 else f"{count} {thing}s"
 
 
-def _nearest(name: object, known: Sequence[str], likeness: float = 0.6) -> str:
-    close = _closest(name, known, likeness)
-    return f"did you mean '{close}'?" if close else ""
-
-
-def _closest(name: object, known: Sequence[str], likeness: float = 0.6) -> str:
-    close = get_close_matches(name, known, 1, likeness) if isinstance(name, str) else []
-    return close[0] if close else ""
-
-
 def _sentence(description: str) -> str:
     # The first sentence, as it stands after a colon.
     text = re.split(r"\.(?:\s+(?=[A-Z])|$)", " ".join(description.split()), maxsplit=1)[0]
@@ -493,7 +476,7 @@ def _said_of_choice(broken: _BrokenRule) -> tuple[str, str]:
     one_of = "one of " if len(choices) > 1 else ""
     shown = ", ".join(_show(choice) for choice in choices)
     names = [choice for choice in choices if isinstance(choice, str)]
-    return f"{_show(broken.value)} is not {one_of}{shown}", _nearest(broken.value, names, 0.7)
+    return f"{_show(broken.value)} is not {one_of}{shown}", did_you_mean(broken.value, names, 0.7)
 
 
 def _said_of_bound(broken: _BrokenRule) -> tuple[str, str]:

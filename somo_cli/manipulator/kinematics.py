@@ -17,9 +17,19 @@ class Pose:
     position: Vector = geometry.ZERO
     rotation: Matrix = geometry.IDENTITY
 
+    @staticmethod
+    def of(position: Vector, rpy: Vector) -> Pose:
+        """Return the pose with this origin and URDF's roll, pitch, yaw [rad]."""
+        return Pose(position, geometry.rotation_from_rpy(rpy))
+
     def point(self, local: Vector) -> Vector:
         """Return the world coordinates of a point given in this frame."""
         return geometry.add(self.position, geometry.rotate(self.rotation, local))
+
+    def compose(self, local: Pose) -> Pose:
+        """Return the world pose of a frame whose pose is given in this frame."""
+        rotation = geometry.multiply(self.rotation, local.rotation)
+        return Pose(self.point(local.position), rotation)
 
 
 def ways(chain: Chain) -> list[float]:

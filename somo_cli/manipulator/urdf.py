@@ -8,13 +8,23 @@ because PyBullet 3.2.7 cuts lines at 8191 characters without a word.
 
 from __future__ import annotations
 
-import dataclasses
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 from somo_cli.manipulator.chain import Chain, Joint, Limb, Link, Shape
 from somo_cli.manipulator.definition import Material
 from somo_cli.manipulator.solids import AnySolid, Box, Cylinder, Sphere
+
+
+@dataclass(frozen=True, slots=True)
+class _Contents:
+    """Which optional elements a URDF has: visuals with their materials, collisions, dynamics."""
+
+    has_visuals: bool = True
+    has_collisions: bool = True
+    has_dynamics: bool = True
+
 
 _HEADER = '<?xml version="1.0" encoding="utf-8"?>\n'
 
@@ -26,15 +36,7 @@ def render(chain: Chain, tip_frame: str | None = None) -> str:
     named frame there; it has no effect on the dynamics, and `somo run` never loads it. In an
     assembly every limb has one, its name after the limb's.
     """
-    robot = ET.Element("robot", name=chain.name)
-    names = _material_names(chain)
-    for material, name in names.items():
-        element = ET.SubElement(robot, "material", name=name)
-        ET.SubElement(element, "color", rgba=_numbers(material.rgba))
-    _add_link(robot, chain.links[0], names)
-    for index, joint in enumerate(chain.joints):
-        _add_joint(robot, joint, chain.links[joint.parent].name, chain.links[index + 1].name)
-        _add_link(robot, chain.links[index + 1], names)
+    robot = _robot(chain, _Contents())
     if tip_frame is not None:
         for limb in chain.backbones:
             _add_tip_frame(robot, chain, limb, limb.prefix + tip_frame)
@@ -46,27 +48,16 @@ def render(chain: Chain, tip_frame: str | None = None) -> str:
 def render_for_engine(
     chain: Chain, with_collisions: bool, with_visuals: bool = False, with_limits: bool = True
 ) -> str:
-    """Return the URDF for a headless engine whose springs, dampers and friction are ours.
+    """Return the URDF for the engine of a run, in the chain's own units.
 
-    It has visuals and collision shapes only if asked for; visuals go with collision shapes.
+    It has no springs, dampers or dry friction: the integrator applies those, and the engine would
+    add an explicit damper of its own. Collision shapes are left out unless `with_collisions`, and
+    visuals too unless both `with_collisions` and `with_visuals`. Without `with_limits` every joint
+    turns freely.
     """
-    if not with_limits:
-        chain = chain.without_limits()
-    bare = tuple(
-        dataclasses.replace(link, shapes=link.shapes if with_collisions else ())
-        for link in chain.links
-    )
-    robot = ET.fromstring(render(dataclasses.replace(chain, links=bare)))
-    for link in robot.findall("link"):
-        for visual in [] if with_visuals else link.findall("visual"):
-            link.remove(visual)
-    for element in (*robot.findall("gazebo"), *([] if with_visuals else robot.findall("material"))):
-        robot.remove(element)
-    for joint in robot.findall("joint"):
-        # dampers and friction are ours; the engine would add its own explicit damper
-        for dynamics in joint.findall("dynamics"):
-            joint.remove(dynamics)
-    return _text(robot)
+    chain = chain if with_limits else chain.without_limits()
+    visuals = with_collisions and with_visuals
+    return _text(_robot(chain, _Contents(visuals, with_collisions, has_dynamics=False)))
 
 
 def number(value: float) -> str:
@@ -75,6 +66,21 @@ def number(value: float) -> str:
     if text.endswith(".0"):
         text = text[:-2]
     return "0" if text == "-0" else text
+
+
+def _robot(chain: Chain, contents: _Contents) -> ET.Element:
+    """Return the tree of materials, links and joints, every link after the joint that moves it."""
+    robot = ET.Element("robot", name=chain.name)
+    names = _material_names(chain) if contents.has_visuals else {}
+    for material, name in names.items():
+        element = ET.SubElement(robot, "material", name=name)
+        ET.SubElement(element, "color", rgba=_numbers(material.rgba))
+    _add_link(robot, chain.links[0], names, contents)
+    for index, joint in enumerate(chain.joints):
+        parent, child = chain.links[joint.parent], chain.links[index + 1]
+        _add_joint(robot, joint, parent.name, child.name, contents)
+        _add_link(robot, child, names, contents)
+    return robot
 
 
 def _text(robot: ET.Element) -> str:
@@ -103,7 +109,9 @@ def _material_names(chain: Chain) -> dict[Material, str]:
     return names
 
 
-def _add_link(robot: ET.Element, link: Link, names: dict[Material, str]) -> None:
+def _add_link(
+    robot: ET.Element, link: Link, names: dict[Material, str], contents: _Contents
+) -> None:
     element = ET.SubElement(robot, "link", name=link.name)
     inertial = ET.SubElement(element, "inertial")
     ET.SubElement(inertial, "origin", xyz=_numbers(link.inertial.centre), rpy="0 0 0")
@@ -111,11 +119,11 @@ def _add_link(robot: ET.Element, link: Link, names: dict[Material, str]) -> None
     names_of_six = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
     six = zip(names_of_six, map(number, link.inertial.inertia), strict=True)
     ET.SubElement(inertial, "inertia", dict(six))
-    for shape in link.shapes:
+    for shape in link.shapes if contents.has_visuals else ():
         visual = ET.SubElement(element, "visual")
         _add_geometry(visual, shape, shape.visual_factor)
         ET.SubElement(visual, "material", name=names[shape.material])
-    for shape in link.shapes:
+    for shape in link.shapes if contents.has_collisions else ():
         _add_geometry(ET.SubElement(element, "collision"), shape, 1.0)
 
 
@@ -136,7 +144,9 @@ def _geometry(solid: AnySolid, factor: float) -> tuple[str, dict[str, str]]:
     return "sphere", {"radius": number(solid.radius * factor)}
 
 
-def _add_joint(robot: ET.Element, joint: Joint, parent: str, child: str) -> None:
+def _add_joint(
+    robot: ET.Element, joint: Joint, parent: str, child: str, contents: _Contents
+) -> None:
     kind = "revolute" if joint.is_limited else "continuous"
     element = ET.SubElement(robot, "joint", name=joint.name, type=kind)
     ET.SubElement(element, "parent", link=parent)
@@ -149,8 +159,9 @@ def _add_joint(robot: ET.Element, joint: Joint, parent: str, child: str) -> None
         limit.set("upper", number(joint.upper))
         limit.set("effort", number(joint.effort))
         limit.set("velocity", number(joint.velocity))
-    dynamics = {"damping": number(joint.damping), "friction": number(joint.friction)}
-    ET.SubElement(element, "dynamics", dynamics)
+    if contents.has_dynamics:
+        dynamics = {"damping": number(joint.damping), "friction": number(joint.friction)}
+        ET.SubElement(element, "dynamics", dynamics)
 
 
 def _add_spring(robot: ET.Element, joint: Joint) -> None:

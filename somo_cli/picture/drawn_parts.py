@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Shape
 from somo_cli.manipulator.kinematics import Pose, link_poses
 from somo_cli.manipulator.solids import Box
@@ -47,13 +46,8 @@ def start_configuration(scene: Scene) -> Configuration:
     """Return how a scene starts."""
     return Configuration(
         tuple(one.initial_angles for one in scene.manipulators),
-        tuple(
-            Pose(one.position, geometry.rotation_from_rpy(one.rpy)) for one in scene.manipulators
-        ),
-        tuple(
-            Pose(one.position, geometry.rotation_from_rpy(one.rpy))
-            for one in with_heights(scene.objects, scene.ground)
-        ),
+        tuple(one.pose for one in scene.manipulators),
+        tuple(one.pose for one in with_heights(scene.objects, scene.ground)),
     )
 
 
@@ -85,7 +79,7 @@ def poses_at(scene: Scene, parts: Sequence[Part], configuration: Configuration) 
         )
     ]
     links += [(pose,) for pose in configuration.objects]
-    return tuple(_within(links[part.body][part.link], part.pose) for part in parts)
+    return tuple(links[part.body][part.link].compose(part.pose) for part in parts)
 
 
 def framed_points(parts: Sequence[Part], poses: Sequence[Pose]) -> Array:
@@ -100,7 +94,7 @@ def framed_points(parts: Sequence[Part], poses: Sequence[Pose]) -> Array:
 
 
 def _part(body: int, link: int, shape: Shape, is_framed: bool) -> Part:
-    pose = Pose(shape.position, geometry.rotation_from_rpy(shape.rpy))
+    pose = Pose.of(shape.position, shape.rpy)
     red, green, blue, _ = shape.material.rgba
     surface = facets(shape.solid).scaled(shape.visual_factor)
     is_box = isinstance(shape.solid, Box)
@@ -112,7 +106,3 @@ def _corners(surface: Facets) -> Array:
     ends = np.stack([surface.vertices.min(axis=0), surface.vertices.max(axis=0)])
     x, y, z = np.meshgrid([0, 1], [0, 1], [0, 1], indexing="ij")
     return np.stack([ends[x.ravel(), 0], ends[y.ravel(), 1], ends[z.ravel(), 2]], axis=1)
-
-
-def _within(outer: Pose, inner: Pose) -> Pose:
-    return Pose(outer.point(inner.position), geometry.multiply(outer.rotation, inner.rotation))

@@ -15,6 +15,7 @@ from somo_cli.manipulator.compile import FILE_POINTERS as DEFINITION_FILE_POINTE
 from somo_cli.manipulator.compile import Compiled, compile_sound
 from somo_cli.manipulator.dimensions import Force, Number, Position, Scale, Time, Torque
 from somo_cli.manipulator.geometry import Vector
+from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import Pointer
 from somo_cli.scene import actuation, contact_surface
 from somo_cli.scene import stop_conditions as stop_conditions_module
@@ -109,6 +110,11 @@ class Manipulator:
     surfaces: ManipulatorSurfaces
     has_self_collision: bool = False
     motion: PrescribedMotion | None = None
+
+    @property
+    def pose(self) -> Pose:
+        """The pose of its base frame in the world, at the start."""
+        return Pose.of(self.position, self.rpy)
 
 
 @dataclass(frozen=True, slots=True)

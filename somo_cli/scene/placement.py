@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Sequence
 
-from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Shape
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.scene.contact_surface import GROUND_NAME, Ground
@@ -48,5 +47,4 @@ def _resting_on(one: RigidObject, top: float) -> RigidObject:
 
 
 def _heights(one: RigidObject, height_of: Callable[[Shape, Pose], float]) -> list[float]:
-    pose = Pose(one.position, geometry.rotation_from_rpy(one.rpy))
-    return [height_of(shape, pose) for shape in one.chain.links[0].shapes]
+    return [height_of(shape, one.pose) for shape in one.chain.links[0].shapes]

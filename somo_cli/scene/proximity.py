@@ -28,14 +28,15 @@ def can_overlap_at_start(scene: Scene) -> bool:
     """Whether boxes around two parts of a scene meet, or one around a part and the ground."""
     boxes: list[tuple[BoundingBox, bool]] = []
     for one in scene.manipulators:
-        start = Pose(one.position, geometry.rotation_from_rpy(one.rpy))
-        boxes.append((bounding_box(one.compiled.chain, one.initial_angles, start), False))
+        boxes.append((bounding_box(one.compiled.chain, one.initial_angles, one.pose), False))
     for rigid_object in with_heights(scene.objects, scene.ground):
         if not rigid_object.collides:
             continue
-        start = Pose(rigid_object.position, geometry.rotation_from_rpy(rigid_object.rpy))
         boxes.append(
-            (bounding_box(rigid_object.chain, (), start), rigid_object.has_prescribed_pose)
+            (
+                bounding_box(rigid_object.chain, (), rigid_object.pose),
+                rigid_object.has_prescribed_pose,
+            )
         )
     ground = scene.ground
     if ground is not None and any(

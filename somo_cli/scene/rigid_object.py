@@ -14,6 +14,7 @@ from somo_cli.manipulator.dimensions import (
     Length,
     Velocity,
 )
+from somo_cli.manipulator.kinematics import Pose
 from somo_cli.scene import object_shapes
 from somo_cli.scene.contact_surface import ContactSurface, read_surface
 from somo_cli.scene.prescribed_motion import PrescribedMotion, read_motion
@@ -49,6 +50,11 @@ class RigidObject:
     placement: Placement | None = None
     collides: bool = True
     """Whether anything can touch it; if not, it is drawn and recorded only."""
+
+    @property
+    def pose(self) -> Pose:
+        """The pose of its frame in the world, at the start."""
+        return Pose.of(self.position, self.rpy)
 
     @property
     def has_prescribed_pose(self) -> bool:

@@ -148,7 +148,7 @@ def _poses(
             break
         for child in ready:
             joint = waiting.pop(child)
-            poses[child] = _composed(poses[joint.parent], joint.pose)
+            poses[child] = poses[joint.parent].compose(joint.pose)
     return {name: poses[name] for name in links if name in poses}
 
 
@@ -212,17 +212,13 @@ def _root_link(
     return None
 
 
-def _composed(outer: Pose, inner: Pose) -> Pose:
-    return Pose(outer.point(inner.position), geometry.multiply(outer.rotation, inner.rotation))
-
-
 def _origin(body: UrdfRigidBody, element: XmlElement) -> Pose:
     origin = element.first_child_with_tag("origin")
     if origin is None:
         return Pose()
     position = _numbers(body, origin, "xyz", 3, "0 0 0")
     rpy = _numbers(body, origin, "rpy", 3, "0 0 0")
-    return Pose(geometry.vector(position), geometry.rotation_from_rpy(geometry.vector(rpy)))
+    return Pose.of(geometry.vector(position), geometry.vector(rpy))
 
 
 def _numbers(
@@ -274,7 +270,7 @@ def _add_link(body: UrdfRigidBody, link: XmlElement, pose: Pose, shapes: _Shapes
         body.links_without_inertia.append((link.attributes["name"], link.span))
     fillings: list[Inertial] = []
     for element in elements:
-        place = _composed(pose, _origin(body, element))
+        place = pose.compose(_origin(body, element))
         rpy = geometry.rpy_from_rotation(place.rotation)
         found, filling = _solids(body, element, shapes)
         body.solids += [PlacedSolid(solid, place.position, rpy) for solid in found]
@@ -302,7 +298,7 @@ def _declared_inertial(
     )
     if not value > 0:
         return None, inertia.span
-    place = _composed(pose, _origin(body, element))
+    place = pose.compose(_origin(body, element))
     own = Inertial(value, geometry.ZERO, (xx, xy, xz, yy, yz, zz))
     return placed(own, place.position, place.rotation), inertia.span
 

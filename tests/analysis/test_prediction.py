@@ -13,8 +13,6 @@ import pytest
 from somo_cli.analysis.modal_excitation import Vibration, modal_response
 from somo_cli.analysis.prediction import ModalMotion, predict_motion
 from somo_cli.analysis.stability import forecast_of, recommended_step
-from somo_cli.manipulator import geometry
-from somo_cli.manipulator.kinematics import Pose
 from somo_cli.scene.model import Integrator, Scene
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.plan.model import make_plan
@@ -75,7 +73,7 @@ def predicted(scene: Scene) -> ModalMotion:
     """Return how the body is expected to move within the time of the runs here."""
     plan = make_plan(scene)
     (body,) = plan.bodies
-    base = Pose(body.start.position, geometry.rotation_from_rpy(body.start.rpy))
+    base = body.start.pose
     pose = ChainDynamics(body.chain).at(body.start.angles, base)
     return predict_motion(plan, body, pose, forecast_of(plan, body).modes["start"], DURATION)
 

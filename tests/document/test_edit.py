@@ -4,7 +4,7 @@ import copy
 
 import pytest
 
-from somo_cli.document.edit import embed, embed_all, override
+from somo_cli.document.edit import embed_all, override
 from somo_cli.document.parse import Document, parse
 from somo_cli.problems import InvalidFile, Pointer, Problem, Span
 
@@ -32,7 +32,7 @@ def refusal(document: Document, assignment: str) -> tuple[Problem, ...]:
 
 def test_a_part_comes_with_its_spans_and_texts(document: Document, part: Document) -> None:
     before = copy.deepcopy(document)
-    whole = embed(document, ("links", 0), part)
+    whole = embed_all(document, {("links", 0): part})
     assert whole.data == {
         "name": "finger",
         "links": [{"mass": 2, "size": [3]}, {"mass": 1, "size": [1, 2]}],
@@ -50,15 +50,15 @@ def test_a_part_comes_with_its_spans_and_texts(document: Document, part: Documen
 
 
 def test_the_spans_of_what_was_there_are_gone(document: Document) -> None:
-    whole = embed(document, ("links", 1), parse("5", "five.yaml"))
+    whole = embed_all(document, {("links", 1): parse("5", "five.yaml")})
     assert whole.data == {"name": "finger", "links": ["part.yaml", 5]}
     assert whole.span(("links", 1, "mass")) == Span("five.yaml", 1, 1)
     assert ("links", 1, "size", 1) not in whole.spans
 
 
 def test_a_part_may_be_the_root_or_a_new_key(document: Document, part: Document) -> None:
-    assert embed(document, (), part).data == part.data
-    whole = embed(document, ("tip",), part)
+    assert embed_all(document, {(): part}).data == part.data
+    whole = embed_all(document, {("tip",): part})
     assert whole.at(("tip", "mass")) == 2
     assert "tip" not in parse(TEXT, "f.yaml").spans
 
@@ -70,12 +70,12 @@ def test_a_place_that_is_not_there_raises(
     document: Document, part: Document, pointer: Pointer
 ) -> None:
     with pytest.raises(KeyError):
-        embed(document, pointer, part)
+        embed_all(document, {pointer: part})
 
 
 def test_many_parts_at_once_are_as_one_after_the_other(document: Document, part: Document) -> None:
     other = parse("[1]", "other.yaml")
-    one_by_one = embed(embed(document, ("links", 0), part), ("links", 1, "size"), other)
+    one_by_one = embed_all(embed_all(document, {("links", 0): part}), {("links", 1, "size"): other})
     at_once = embed_all(document, {("links", 0): part, ("links", 1, "size"): other})
     assert at_once == one_by_one
     assert embed_all(document, {}) == document

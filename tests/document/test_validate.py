@@ -9,9 +9,10 @@ from typing import Any
 import pytest
 
 from somo_cli.document import validate
-from somo_cli.document.edit import embed, override
+from somo_cli.document.edit import embed_all, override
 from somo_cli.document.parse import Document, parse
-from somo_cli.document.validate import load_schema, problems_in, schema_problems, soundness_test
+from somo_cli.document.validate import load_schema, schema_problems, soundness_test
+from somo_cli.problems import Problem
 
 REAL = [path for folder in validate._FOLDERS for path in folder.glob("*.schema.json")]
 
@@ -119,6 +120,10 @@ SCHEMAS: dict[str, Any] = {
     },
 }
 KEYS = ", ".join(SCHEMAS["body"]["properties"])
+
+
+def problems_in(document: Document, schema: str) -> list[Problem]:
+    return [one.problem for one in schema_problems(document, schema)]
 
 
 @pytest.fixture
@@ -277,7 +282,9 @@ def test_schemas_refer_to_each_other(judge: Callable[..., Any]) -> None:
 
 
 def test_a_fault_of_an_embedded_file_is_placed_in_it(judge: Callable[..., Any]) -> None:
-    whole = embed(parse("base: part\n", "f"), ("base",), parse("\nmass: 0\ncolor: 1\n", "part"))
+    whole = embed_all(
+        parse("base: part\n", "f"), {("base",): parse("\nmass: 0\ncolor: 1\n", "part")}
+    )
     places = [(p.span.source, p.span.line, p.span.column) for p in problems_in(whole, "body")]
     assert places == [("part", 1, 1), ("part", 2, 7), ("part", 3, 1)]
 

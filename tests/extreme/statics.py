@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from somo_cli.arrays import Array
-from somo_cli.manipulator import geometry
-from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics, ChainPose
-from somo_cli.simulation.plan.model import Body, Plan
+from somo_cli.simulation.plan.model import Plan
 
 
 def equilibrium(plan: Plan, angles: Array) -> ChainPose | None:
@@ -23,7 +21,7 @@ def equilibrium(plan: Plan, angles: Array) -> ChainPose | None:
         torques[list(drive.joints)] += drive.signal.at(0.0)
     stiffness = np.diag(chain.stiffness)
     for _ in range(60):
-        pose = chain.at(angles, _base(body))
+        pose = chain.at(angles, body.start.pose)
         rest = torques - chain.stiffness * (angles - chain.neutral)
         rest += pose.gravity_force(plan.gravity)[6:]
         gradient = stiffness + pose.gravity_stiffness(plan.gravity)
@@ -33,7 +31,7 @@ def equilibrium(plan: Plan, angles: Array) -> ChainPose | None:
             return None
         angles = angles + change
         if np.abs(change).max() < 1e-13 * (1 + np.abs(angles).max()):
-            return chain.at(angles, _base(body))
+            return chain.at(angles, body.start.pose)
     return None
 
 
@@ -50,7 +48,3 @@ def slowest_decay(plan: Plan, pose: ChainPose) -> float:
     zero, one = np.zeros_like(k), np.eye(len(k))
     motion = np.block([[zero, one], [-np.linalg.solve(unit, k), -np.linalg.solve(unit, d)]])
     return -float(np.linalg.eigvals(motion).real.max())
-
-
-def _base(body: Body) -> Pose:
-    return Pose(body.start.position, geometry.rotation_from_rpy(body.start.rpy))

@@ -144,7 +144,7 @@ def test_everything_at_once_moves_alike(frames: Frames, tolerance: float) -> Non
 
 def test_the_pose_of_the_base_carries_along() -> None:
     chain = chain_of(EVERYTHING)
-    base = Pose((1.0, 2.0, 3.0), geometry.rotation_from_rpy((0.1, 0.2, 0.3)))
+    base = Pose.of((1.0, 2.0, 3.0), (0.1, 0.2, 0.3))
     for here, there in zip(
         link_poses(chain, bent(chain), Pose()), link_poses(chain, bent(chain), base), strict=True
     ):

@@ -111,14 +111,12 @@ def test_names_and_parents_in_the_order_of_the_limbs(whole: Compiled) -> None:
 
 
 def test_every_limb_is_where_it_would_be_alone(whole: Compiled) -> None:
-    chain, base = whole.chain, Pose((0.1, 0.2, 0.3), geometry.rotation_from_rpy((0.3, -0.4, 1.2)))
+    chain, base = whole.chain, Pose.of((0.1, 0.2, 0.3), (0.3, -0.4, 1.2))
     angles = angles_of(chain)
     poses = kinematics.link_poses(chain, angles, base)
     for limb in chain.limbs:
         at, rpy = PLACES[limb.name]
-        own = Pose(
-            base.point(at), geometry.multiply(base.rotation, geometry.rotation_from_rpy(rpy))
-        )
+        own = base.compose(Pose.of(at, rpy))
         alone = compiled(ALONE[limb.name]).chain
         expected = kinematics.link_poses(alone, angles[limb.first : limb.last], own)[1:]
         found = poses[limb.first + 1 : limb.last + 1]
@@ -130,7 +128,7 @@ def test_every_limb_is_where_it_would_be_alone(whole: Compiled) -> None:
 
 
 def test_mass_and_inertia_are_the_sum_of_the_parts(whole: Compiled) -> None:
-    chain, base = whole.chain, Pose((0.1, 0.2, 0.3), geometry.rotation_from_rpy((0.3, -0.4, 1.2)))
+    chain, base = whole.chain, Pose.of((0.1, 0.2, 0.3), (0.3, -0.4, 1.2))
     angles = angles_of(chain)
     found = total(chain, kinematics.link_poses(chain, angles, base))
     # the body by itself is a manipulator's base; its first joint holds nothing but what it has
@@ -146,9 +144,7 @@ def test_mass_and_inertia_are_the_sum_of_the_parts(whole: Compiled) -> None:
     parts = [np.subtract(one, other) for one, other in zip(sums, minus, strict=True)]
     for limb in chain.limbs:
         at, rpy = PLACES[limb.name]
-        own = Pose(
-            base.point(at), geometry.multiply(base.rotation, geometry.rotation_from_rpy(rpy))
-        )
+        own = base.compose(Pose.of(at, rpy))
         alone = compiled(ALONE[limb.name]).chain
         poses = kinematics.link_poses(alone, angles[limb.first : limb.last], own)
         parts = [np.add(one, other) for one, other in zip(parts, total(alone, poses), strict=True)]

@@ -7,7 +7,6 @@ import math
 
 import pytest
 
-from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.scene.contact_surface import read_ground
 from somo_cli.scene.extents import max_height, min_height
@@ -63,7 +62,7 @@ def test_what_has_no_place_stays_and_can_be_stood_on() -> None:
 def test_the_highest_point_is_the_lowest_of_the_mirrored(data: Data) -> None:
     one: RigidObject = read_object(data)
     (shape,) = one.chain.links[0].shapes
-    pose = Pose((1.0, 2.0, 3.0), geometry.rotation_from_rpy((0.3, -0.7, 2.0)))
+    pose = Pose.of((1.0, 2.0, 3.0), (0.3, -0.7, 2.0))
     # these are symmetric about their centres
     assert max_height(shape, pose) - 3 == pytest.approx(3 - min_height(shape, pose))
     assert max_height(shape, pose) > 3

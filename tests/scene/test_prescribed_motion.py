@@ -12,7 +12,7 @@ from somo_cli.manipulator.dimensions import Scale, scaled
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.scene.prescribed_motion import PosePath, read_motion
 
-START = Pose((1.0, 0.0, 0.5), geometry.rotation_from_rpy((0.2, -0.3, 0.4)))
+START = Pose.of((1.0, 0.0, 0.5), (0.2, -0.3, 0.4))
 
 
 def path(start: Pose = START, **data: Any) -> PosePath:

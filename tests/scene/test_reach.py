@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.kinematics import Pose, link_poses
 from somo_cli.scene.extents import max_height
@@ -37,7 +36,7 @@ def touching(*others: Data, one: Data | None = None, **of_scene: Any) -> bool:
 def test_nothing_gets_farther_than_the_reach(definition: Data) -> None:
     chain = chain_of(definition)
     random = np.random.default_rng(3)
-    base = Pose((0.0, 0.0, 0.0), geometry.rotation_from_rpy((0.3, -0.8, 1.2)))
+    base = Pose.of((0.0, 0.0, 0.0), (0.3, -0.8, 1.2))
     farthest = 0.0
     for _ in range(50):
         angles = random.uniform(-3.1, 3.1, len(chain.joints)).tolist()

@@ -58,7 +58,7 @@ def pair(base: str, extra: str = "", **changes: Any) -> Scene:
 def alone(limb: str, extra: str = "", **changes: Any) -> Scene:
     """Return the finger of a limb by itself, held where the limb is."""
     at, rpy = LEFT if limb == "left" else RIGHT
-    body = Pose((0.1, -0.2, 0.3), geometry.rotation_from_rpy((0.3, -0.2, 0.5)))
+    body = Pose.of((0.1, -0.2, 0.3), (0.3, -0.2, 0.5))
     turned = geometry.multiply(body.rotation, geometry.rotation_from_rpy(rpy))
     entries = "".join(
         f"      - {{actuator: 0, axis: {axis}, torque: {TORQUES[limb, axis]}}}\n" for axis in (0, 1)

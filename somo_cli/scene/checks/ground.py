@@ -31,10 +31,9 @@ def ground_problems(
     angles = values_per_joint(data.get("initial_angles", 0), len(chain.joints))
     if len(angles) != len(chain.joints):
         return  # told where the start is judged
-    rotation = geometry.rotation_from_rpy(tuple(data.get("rpy", geometry.ZERO)))
-    base = Pose(tuple(data.get("position", geometry.ZERO)), rotation)
+    position, rpy = (geometry.vector(data.get(key, (0, 0, 0))) for key in ("position", "rpy"))
     height = float(scene["ground"].get("height", 0))
-    poses = link_poses(chain, angles, base)
+    poses = link_poses(chain, angles, Pose.of(position, rpy))
     first = 0 if data.get("base") == "free" else 1
     depths = {
         link.name: height - min(min_height(shape, pose) for shape in link.shapes)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from difflib import get_close_matches
 from typing import Any
 
 from somo_cli.document.parse import Document
 from somo_cli.manipulator.definition import Definition
-from somo_cli.problems import Pointer, Problem
+from somo_cli.problems import Pointer, Problem, did_you_mean
 
 
 def limb_problems(
@@ -47,11 +46,10 @@ def _unknown_limb_problems(
     for index, name in names:
         if name in known or (at[-1] == "limbs" and index is None):
             continue
-        close = get_close_matches(name, known, 1)
         yield Problem(
             document.span(at if index is None else (*at, index)),
             f"there is no limb '{name}'",
-            f"did you mean '{close[0]}'?" if close else _known_limbs_hint(known),
+            did_you_mean(name, known) or _known_limbs_hint(known),
         )
 
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from difflib import get_close_matches
 from typing import Any
 
 from somo_cli.document.parse import Document
 from somo_cli.manipulator.chain import Chain
-from somo_cli.problems import Pointer, Problem
+from somo_cli.problems import Pointer, Problem, did_you_mean
 from somo_cli.scene.checks.waypoints import waypoint_problems
 from somo_cli.scene.model import limbs_by_tip_name, link_index
 
@@ -64,11 +63,10 @@ def load_link_problems(
         link_index(name, chain)
     except ValueError:
         known = [*limbs_by_tip_name(chain), *(link.name for link in chain.links)]
-        close = get_close_matches(name, known, 1, 0.8)
         yield Problem(
             document.span((*at, "link")),
             f"there is no link '{name}'",
-            f"did you mean '{close[0]}'?" if close else f"the links are {', '.join(known)}",
+            did_you_mean(name, known, 0.8) or f"the links are {', '.join(known)}",
         )
 
 

@@ -6,9 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from somo_cli.document.parse import Document
-from somo_cli.manipulator import geometry
 from somo_cli.manipulator.definition_checks import IsSound
-from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import Pointer, Problem, has_errors
 from somo_cli.scene.checks import motion as motion_checks
 from somo_cli.scene.checks import object_shapes as object_shapes_checks
@@ -83,8 +81,7 @@ def _ground_problems(
     if data.get("fixed", False) or not _KEYS_SETTING_HEIGHT.isdisjoint(data):
         return  # what is held may stand in the ground, with which it cannot collide
     one = read_object(data)
-    pose = Pose(one.position, geometry.rotation_from_rpy(one.rpy))
-    low = min(min_height(shape, pose) for shape in one.chain.links[0].shapes)
+    low = min(min_height(shape, one.pose) for shape in one.chain.links[0].shapes)
     depth = float(ground.get("height", 0)) - low
     if depth > MAX_RELATIVE_DEPTH * one.chain.length:
         yield Problem(

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from difflib import get_close_matches
 from typing import Any
 
 from somo_cli.document.parse import Document
 from somo_cli.manipulator.definition_checks import IsSound
-from somo_cli.problems import Pointer, Problem
+from somo_cli.problems import Pointer, Problem, did_you_mean
 from somo_cli.scene.contact_surface import GROUND_NAME
 
 
@@ -39,9 +38,8 @@ def placement_problems(
 
 
 def _known_objects_hint(name: str, names: list[str], has_ground: bool) -> str:
-    known = [GROUND_NAME, *names] if has_ground else names
-    close = get_close_matches(str(name), map(str, known), 1, 0.7)
-    return f"did you mean '{close[0]}'?" if close else f"there are {', '.join(map(str, known))}"
+    known = [str(one) for one in ((GROUND_NAME, *names) if has_ground else names)]
+    return did_you_mean(str(name), known, 0.7) or f"there are {', '.join(known)}"
 
 
 def _circular_placements(

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator, Mapping, Sequence
-from difflib import get_close_matches
 from fnmatch import fnmatchcase
 
 from somo_cli.document.parse import Document
-from somo_cli.problems import Problem
+from somo_cli.problems import Problem, did_you_mean
 from somo_cli.scene import columns
 from somo_cli.scene import model as scene_model
 from somo_cli.scene.contact_surface import GROUND_NAME
@@ -68,8 +67,7 @@ def unmatched_pattern_hint(found: Scene, pattern: str) -> str | None:
         if any(fnmatchcase(name, pattern) for name in names):
             return f"it is among {kind}, which record.{key} does not list"
     known = [name for names in everything.values() for name in names]
-    close = get_close_matches(pattern, known, 1)
-    return f"did you mean '{close[0]}'?" if close else f"columns are called like '{known[0]}'"
+    return did_you_mean(pattern, known) or f"columns are called like '{known[0]}'"
 
 
 def _column_names_by_kind(found: Scene) -> Mapping[tuple[str, str], Sequence[str]]:

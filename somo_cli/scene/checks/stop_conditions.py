@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from difflib import get_close_matches
 from typing import Any
 
 from somo_cli.document.parse import Document
 from somo_cli.manipulator.definition_checks import IsSound
-from somo_cli.problems import Pointer, Problem
+from somo_cli.problems import Pointer, Problem, did_you_mean
 from somo_cli.scene.stop_conditions import AXIS_NAMES
 
 _CONDITION_FORMS = (
@@ -88,8 +87,8 @@ def _stopped_object_problems(
     rigid_object = next((one for one in objects if str(one["name"]) == name), None)
     place = document.span((*at, "object"))
     if rigid_object is None:
-        close = get_close_matches(name, [str(one["name"]) for one in objects], 1)
-        hint = f"did you mean '{close[0]}'?" if close else _known_objects_hint(objects)
+        known = [str(one["name"]) for one in objects]
+        hint = did_you_mean(name, known) or _known_objects_hint(objects)
         yield Problem(place, f"there is no object '{name}'", hint)
         return
     if rigid_object.get("fixed", False):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from somo_cli.manipulator import geometry, urdf
+from somo_cli.manipulator import urdf
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.dimensions import (
     Acceleration,
@@ -85,7 +85,7 @@ class InitialState:
     @property
     def pose(self) -> Pose:
         """The pose of the base frame in the world."""
-        return Pose(self.position, geometry.rotation_from_rpy(self.rpy))
+        return Pose.of(self.position, self.rpy)
 
 
 @dataclass(frozen=True, slots=True)
@@ -257,8 +257,7 @@ def _pose_path(motion: PrescribedMotion | None, start: Pose, scale: Scale) -> Po
 
 def _planned_object(one: RigidObject, scale: Scale, keeps_unused: bool) -> PlannedObject:
     rigid_object = scaled(one, scale)
-    start = Pose(rigid_object.position, geometry.rotation_from_rpy(rigid_object.rpy))
-    path = _pose_path(one.motion, start, scale)
+    path = _pose_path(one.motion, rigid_object.pose, scale)
     (link,) = rigid_object.chain.links
     if not compound.is_exact_in_urdf(link):
         return PlannedObject(rigid_object, "", compound.compound_of(link), path)

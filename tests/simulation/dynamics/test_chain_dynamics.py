@@ -7,7 +7,6 @@ import dataclasses
 import numpy as np
 import pytest
 
-from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose, link_poses
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics, ChainPose
 from somo_cli.simulation.engine.bullet.world import BulletWorld
@@ -15,7 +14,7 @@ from somo_cli.simulation.plan.model import Plan, make_plan
 from tests.loading import scene_from_file
 
 SCENES = ("scene.yaml", "three_axis_finger_scene.yaml", "arm_scene.yaml")
-BASE = Pose((0.1, 0.2, 0.3), geometry.rotation_from_rpy((0.3, -0.4, 1.2)))
+BASE = Pose.of((0.1, 0.2, 0.3), (0.3, -0.4, 1.2))
 
 
 def plan_of(name: str, **changes: object) -> Plan:
@@ -52,7 +51,7 @@ def test_frames_are_those_of_the_kinematics(name: str) -> None:
 def test_inertia_and_weight_are_those_of_the_engine(name: str, base: str) -> None:
     rpy = (0.4, -0.2, 1.0)
     plan = plan_of(name, base=base, rpy=rpy)
-    pose = bent(plan, Pose((0.0, 0.0, 0.0), geometry.rotation_from_rpy(rpy)))
+    pose = bent(plan, Pose.of((0.0, 0.0, 0.0), rpy))
     with BulletWorld(plan) as world:
         body = world.bodies[0]
         mass = body.mass_matrix(pose.angles.tolist())

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.scene.model import ExternalLoad, Frame, Scene
@@ -20,7 +19,7 @@ from somo_cli.simulation.plan.model import make_plan
 from tests.loading import rows_of, scene_from_file
 from tests.simulation.test_physics import INERTIA, exact_angle, hinge
 
-BASE = Pose((0.1, 0.2, 0.3), geometry.rotation_from_rpy((0.3, -0.4, 1.2)))
+BASE = Pose.of((0.1, 0.2, 0.3), (0.3, -0.4, 1.2))
 ANGLES = np.linspace(-0.3, 0.4, 10)
 
 

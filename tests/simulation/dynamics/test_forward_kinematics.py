@@ -43,7 +43,7 @@ def bases(count: int) -> list[Pose]:
     random = np.random.default_rng(4)
     poses = []
     for x, y, z, roll, pitch, yaw in random.uniform(-1, 1, (count, 6)).tolist():
-        poses.append(Pose((x, y, z), geometry.rotation_from_rpy((roll, pitch, yaw))))
+        poses.append(Pose.of((x, y, z), (roll, pitch, yaw)))
     return poses
 
 

@@ -61,9 +61,7 @@ class BulletObject:
     def reset(self, linear_velocity: Vector | None = None) -> None:
         """Put the object at its start, with another velocity if given."""
         planned_object = self._object
-        start = self.to_engine(
-            Pose(planned_object.position, geometry.rotation_from_rpy(planned_object.rpy))
-        )
+        start = self.to_engine(planned_object.pose)
         self._bullet.resetBasePositionAndOrientation(
             self.index,
             start.position,
@@ -79,10 +77,7 @@ class BulletObject:
 
     def to_engine(self, frame: Pose) -> Pose:
         """Return what the engine takes for a pose of the object's frame: that of its axes."""
-        if not self._principal_frame:
-            return frame
-        rotation = geometry.multiply(frame.rotation, self._principal_frame.rotation)
-        return Pose(frame.point(self._principal_frame.position), rotation)
+        return frame.compose(self._principal_frame) if self._principal_frame else frame
 
     @property
     def axes(self) -> Matrix | None:
