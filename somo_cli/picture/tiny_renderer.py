@@ -18,7 +18,7 @@ from somo_cli.picture.camera import Camera
 from somo_cli.picture.drawn_parts import Part
 from somo_cli.picture.facets import Array
 from somo_cli.simulation.engine.bullet.c_stdio import captured_output
-from somo_cli.simulation.engine.bullet.client import import_pybullet
+from somo_cli.simulation.engine.bullet.client import BulletClient
 
 AMBIENT, DIFFUSE, SPECULAR = 0.62, 0.42, 0.06
 """How much of its colour a surface shows in the shadow, how much more in full light, and gloss."""
@@ -45,14 +45,12 @@ class TinyRenderer:
     def __init__(self, parts: Sequence[Part], unit: float) -> None:
         self._parts = parts
         self._unit = unit
-        self._bullet: Any = None
-        self._client = -1
+        self._engine: Any = None  # a BulletClient, once entered
 
     def __enter__(self) -> TinyRenderer:
         """Load every part."""
         with captured_output():
-            self._bullet = import_pybullet("the renderer is that of PyBullet, which is")
-            self._client = self._bullet.connect(self._bullet.DIRECT)
+            self._engine = BulletClient("the renderer is that of PyBullet, which is")
             try:
                 for number, part in enumerate(self._parts):
                     assert self._load(part, number) == number  # what the renderer calls it
@@ -71,18 +69,16 @@ class TinyRenderer:
 
     def close(self) -> None:
         """Leave the engine."""
-        if self._client >= 0:
-            self._bullet.disconnect(physicsClientId=self._client)
-            self._client = -1
+        if self._engine is not None:
+            self._engine.close()
 
     def place(self, poses: Sequence[Pose]) -> None:
         """Put every part where it is in the world [m]."""
         for number, pose in enumerate(poses):
-            self._bullet.resetBasePositionAndOrientation(
+            self._engine.resetBasePositionAndOrientation(
                 number,
                 [value / self._unit for value in pose.position],
                 geometry.quaternion_from_rotation(pose.rotation),
-                self._client,
             )
 
     def render(self, camera: Camera, size: tuple[int, int], light: Array) -> Raster:
@@ -91,7 +87,7 @@ class TinyRenderer:
         near, far = camera.near / self._unit, camera.far / self._unit
         # seen in 3.2.7: its own shadows have a bias of a fixed length and hold for one distance of
         # the light only, and a projection without perspective shows nothing
-        told = self._bullet.getCameraImage(
+        told = self._engine.getCameraImage(
             width,
             height,
             _view(camera, self._unit),
@@ -102,8 +98,7 @@ class TinyRenderer:
             lightDiffuseCoeff=DIFFUSE,
             lightSpecularCoeff=SPECULAR,
             shadow=0,
-            renderer=self._bullet.ER_TINY_RENDERER,
-            physicsClientId=self._client,
+            renderer=self._engine.ER_TINY_RENDERER,
         )
         # where numpy was not at hand when the engine was built, these are tuples
         colours = np.asarray(told[2], np.uint8).reshape(height, width, 4)[..., :3]
@@ -113,18 +108,17 @@ class TinyRenderer:
         return Raster(colours, np.where(parts < 0, np.float32(np.inf), distances), parts)
 
     def _load(self, part: Part, number: int) -> int:
-        bullet, client = self._bullet, self._client
+        engine = self._engine
         # where faces of two links lie in one plane, one of them must be in front
         factor = (1 + _SWELL * (number % 3 + (3 if part.is_box else 0))) / self._unit
-        shape = bullet.createVisualShape(
-            bullet.GEOM_MESH,
+        shape = engine.createVisualShape(
+            engine.GEOM_MESH,
             vertices=(part.facets.vertices * factor).tolist(),
             normals=part.facets.normals.tolist(),
             indices=part.facets.triangles.ravel().tolist(),
             rgbaColor=[*part.colour, 1.0],
-            physicsClientId=client,
         )
-        index: int = bullet.createMultiBody(0, -1, shape, physicsClientId=client)
+        index: int = engine.createMultiBody(0, -1, shape)
         return index
 
 

@@ -17,7 +17,7 @@ ITERATIONS, RESIDUAL = 50, 1e-7  # the engine's defaults
 
 def leave_at_defaults(world: BulletWorld, friction: float) -> None:
     """Have solver and joint motors as the engine has them, with this friction [engine units]."""
-    bullet, client = world._bullet, world._client
+    bullet, client = world.engine.module, world.engine.number
     bullet.setPhysicsEngineParameter(
         numSolverIterations=ITERATIONS, solverResidualThreshold=RESIDUAL, physicsClientId=client
     )
@@ -51,7 +51,7 @@ def classic_loop(
 
 
 def _drive(plan: Plan, world: BulletWorld, now: float) -> None:
-    bullet, client = world._bullet, world._client
+    bullet, client = world.engine.module, world.engine.number
     for body, planned in zip(world.bodies, plan.bodies, strict=True):
         values = {(one.actuator, one.axis): one.signal.at(now) for one in planned.drives}
         for number, joint in enumerate(planned.chain.joints):

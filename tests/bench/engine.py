@@ -33,7 +33,7 @@ def told(**parameters: float) -> Setting:
     """Return a setting of the engine's parameters."""
 
     def tell(world: BulletWorld) -> None:
-        world._bullet.setPhysicsEngineParameter(physicsClientId=world._client, **parameters)
+        world.engine.setPhysicsEngineParameter(**parameters)
 
     return tell
 
@@ -42,9 +42,7 @@ def feeling(world: BulletWorld) -> None:
     """Have the engine work out the reaction forces of every joint."""
     for body in world.bodies:
         for link in body.links[1:]:
-            world._bullet.enableJointForceTorqueSensor(
-                body.index, link, True, physicsClientId=world._client
-            )
+            world.engine.enableJointForceTorqueSensor(body.index, link, True)
 
 
 HAND: Mapping[str, Setting] = {

@@ -119,7 +119,7 @@ def classic(plan: Plan) -> tuple[float, float]:
     engine's joint motors, solver and iterations are left at their defaults.
     """
     with BulletWorld(plan) as world, timed_engine(world) as total:
-        bullet, client = world._bullet, world._client
+        bullet, client = world.engine.module, world.engine.number
         leave_at_defaults(world, friction=1.0)
         steps = round(SECONDS / plan.time_step)
         started = time.perf_counter()

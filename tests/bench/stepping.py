@@ -104,7 +104,7 @@ def microseconds_of_classic(plan: Plan) -> float:
     """
     with BulletWorld(plan) as world:
         body: BulletBody = world.bodies[0]
-        bullet, client, index = body._bullet, body._client, body.index
+        bullet, client, index = body.engine.module, body.engine.number, body.index
         joints = plan.bodies[0].chain.joints
         leave_at_defaults(world, friction=1.0)
         started = CLOCK()

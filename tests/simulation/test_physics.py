@@ -292,7 +292,7 @@ def free_chain(time_step: float, integrator: str) -> Plan:
 def momentum(world: BulletWorld, plan: Plan) -> tuple[np.ndarray, np.ndarray]:
     """Return linear and angular momentum about the origin, in engine units, from the engine."""
     body: Any = world.bodies[0]
-    bullet, index, client = body._bullet, body.index, body._client
+    bullet, index, client = body.engine.module, body.index, body.engine.number
     links = range(-1, bullet.getNumJoints(index, client))
     linear, angular = np.zeros(3), np.zeros(3)
     for link in links:
@@ -352,7 +352,7 @@ def test_the_centre_of_mass_of_a_free_chain_moves_straight() -> None:
 
 def centre_of_mass(world: BulletWorld) -> np.ndarray:
     body: Any = world.bodies[0]
-    bullet, index, client = body._bullet, body.index, body._client
+    bullet, index, client = body.engine.module, body.index, body.engine.number
     total, masses = np.zeros(3), 0.0
     for link in range(-1, bullet.getNumJoints(index, client)):
         if link < 0:

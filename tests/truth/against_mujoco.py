@@ -108,7 +108,7 @@ def classic_loop(scene: Scene, step: float) -> Loop:
     def loop() -> tuple[np.ndarray, float]:
         rows = []
         with BulletWorld(plan) as world:
-            body, bullet, client = world.bodies[0].index, world._bullet, world._client
+            body, bullet, client = world.bodies[0].index, world.engine.module, world.engine.number
             numbers = range(len(joints))
             started = time.perf_counter()
             for done in range(count):

@@ -167,7 +167,7 @@ def test_poses_are_those_of_the_engine(scale: float) -> None:
         state = state_of(plan, angles, angles, angles, loaded.base_pose())
         found = row_of(plan, state)
         engine: Any = loaded
-        bullet, index, client = engine._bullet, loaded.index, engine._client
+        bullet, index, client = engine.engine.module, loaded.index, engine.engine.number
         names = {
             bullet.getJointInfo(index, joint, client)[12].decode(): joint
             for joint in range(bullet.getNumJoints(index, client))

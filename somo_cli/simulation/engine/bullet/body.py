@@ -1,7 +1,4 @@
-"""One body in PyBullet: loading, releasing and reading it back, its motion and its dynamics.
-
-The engine's module is handed in by `bullet`, which alone imports it.
-"""
+"""One body in PyBullet: loading, releasing and reading it back, its motion and its dynamics."""
 
 from __future__ import annotations
 
@@ -14,6 +11,7 @@ from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import EngineRefused
+from somo_cli.simulation.engine.bullet.client import BulletClient
 from somo_cli.simulation.engine.bullet.contact_parameters import surface_settings
 from somo_cli.simulation.engine.bullet.dynamics import BulletDynamics
 from somo_cli.simulation.engine.bullet.self_collision import disable_near_collisions
@@ -30,30 +28,29 @@ ZERO_EFFECT_TORQUE = 1e-300
 class BulletBody(BulletDynamics):
     """One manipulator in the engine; joints in the order of its chain, engine units."""
 
-    def __init__(self, bullet: Any, client: int, body: Body, gravity: Vector, path: str) -> None:
+    def __init__(self, engine: BulletClient, body: Body, gravity: Vector, path: str) -> None:
         # the inertia must come from the file, or the engine computes
         # its own from the collision shapes
-        flags = bullet.URDF_USE_INERTIA_FROM_FILE | bullet.URDF_USE_IMPLICIT_CYLINDER
+        flags = engine.URDF_USE_INERTIA_FROM_FILE | engine.URDF_USE_IMPLICIT_CYLINDER
         if body.has_self_collision:
-            flags |= bullet.URDF_USE_SELF_COLLISION
-        index: int = bullet.loadURDF(
+            flags |= engine.URDF_USE_SELF_COLLISION
+        index: int = engine.loadURDF(
             path,
             useFixedBase=body.base == "static",
             flags=flags,
-            physicsClientId=client,
         )
-        super().__init__(bullet, client, index, body, gravity)
+        super().__init__(engine, index, body, gravity)
         self._joints = self._joint_indices()
         # bound once, without a Python frame of ours between loop and engine: one tuple per joint,
         # base to tip, that starts with angle and rate
         self.joint_states: Callable[[], Any] = partial(
-            bullet.getJointStates, index, self._joints, client
+            engine.module.getJointStates, index, self._joints, engine.number
         )
         self.apply = self._make_apply()
         self._check_readback()
         self._disable_engine_defaults()
         if body.has_self_collision:
-            disable_near_collisions(bullet, client, self.index, self.links, body.chain)
+            disable_near_collisions(engine, self.index, self.links, body.chain)
         self._com_in_base, self._inertial_in_base = self._base_inertial_frame()
         self.reset(body.start.angles, body.start.rates)
         self._update_gravity_in_base()
@@ -62,8 +59,9 @@ class BulletBody(BulletDynamics):
 
     def _make_apply(self) -> Callable[[Sequence[float]], None]:
         """Return the function that applies joint torques, base to tip, during the next step."""
-        index, joints, client = self.index, self._joints, self._client
-        control, mode = self._bullet.setJointMotorControlArray, self._bullet.TORQUE_CONTROL
+        index, joints, client = self.index, self._joints, self.engine.number
+        module = self.engine.module
+        control, mode = module.setJointMotorControlArray, module.TORQUE_CONTROL
 
         # seen in 3.2.7: names cost a quarter of the call for ten joints; without them there must be
         # positions, rates and gains, which are read and, in this mode, used for nothing
@@ -88,9 +86,9 @@ class BulletBody(BulletDynamics):
         at = centre or self.base_inertial_pose()
         tx, ty, tz, fx, fy, fz = wrench.tolist()
         torque, force = (geometry.rotate(at.rotation, one) for one in ((tx, ty, tz), (fx, fy, fz)))
-        bullet, client, world = self._bullet, self._client, self._bullet.WORLD_FRAME
-        bullet.applyExternalForce(self.index, -1, force, at.position, world, client)
-        bullet.applyExternalTorque(self.index, -1, torque, world, client)
+        engine, world = self.engine, self.engine.WORLD_FRAME
+        engine.applyExternalForce(self.index, -1, force, at.position, world)
+        engine.applyExternalTorque(self.index, -1, torque, world)
 
     def base_pose(self) -> Pose:
         """Return the pose in the world of the base's URDF frame; the engine tells the centre's."""
@@ -101,7 +99,7 @@ class BulletBody(BulletDynamics):
 
     def base_velocity(self) -> tuple[Vector, Vector]:
         """Return the velocity of the base's centre of mass and its angular velocity, in world."""
-        linear, angular = self._bullet.getBaseVelocity(self.index, self._client)
+        linear, angular = self.engine.getBaseVelocity(self.index)
         return linear, angular
 
     def reset(
@@ -119,19 +117,16 @@ class BulletBody(BulletDynamics):
         frame = start.pose
         rotation = geometry.multiply(frame.rotation, self._inertial_in_base)
         # setting the pose zeroes the velocity, so pose comes first
-        self._bullet.resetBasePositionAndOrientation(
+        self.engine.resetBasePositionAndOrientation(
             self.index,
             frame.point(self._com_in_base),
             geometry.quaternion_from_rotation(rotation),
-            self._client,
         )
         if self._body.base != "static":
             linear, angular = base_velocity or self._start_velocity(frame)
-            self._bullet.resetBaseVelocity(
-                self.index, linear, angular, physicsClientId=self._client
-            )
+            self.engine.resetBaseVelocity(self.index, linear, angular)
         for joint, angle, rate in zip(self._joints, angles, rates, strict=True):
-            self._bullet.resetJointState(self.index, joint, angle, rate, self._client)
+            self.engine.resetJointState(self.index, joint, angle, rate)
 
     def _start_velocity(self, frame: Pose) -> tuple[Vector, Vector]:
         """Return the start velocity of the base's centre of mass: v + ω x r, and ω."""
@@ -142,10 +137,10 @@ class BulletBody(BulletDynamics):
         return geometry.add(start.linear_velocity, swing), start.angular_velocity
 
     def _joint_indices(self) -> list[int]:
-        bullet, client = self._bullet, self._client
+        engine = self.engine
         by_name = {}
-        for index in range(bullet.getNumJoints(self.index, client)):
-            by_name[bullet.getJointInfo(self.index, index, client)[1].decode()] = index
+        for index in range(engine.getNumJoints(self.index)):
+            by_name[engine.getJointInfo(self.index, index)[1].decode()] = index
         missing = [joint.name for joint in self._body.chain.joints if joint.name not in by_name]
         if missing or len(by_name) != len(self._body.chain.joints):
             raise EngineRefused(self._body.name, f"{len(by_name)} joints, missing {missing}")
@@ -156,31 +151,29 @@ class BulletBody(BulletDynamics):
 
         Motors stay where the plan wants their rows, with a torque that does nothing.
         """
-        bullet, body, client = self._bullet, self.index, self._client
+        engine, body = self.engine, self.index
         for number, link in enumerate(self.links):
-            bullet.changeDynamics(
+            engine.changeDynamics(
                 body,
                 link,
                 linearDamping=0,
                 angularDamping=0,
                 jointDamping=0,
                 maxJointVelocity=UNLIMITED_RATE,
-                physicsClientId=client,
             )
             # seen in 3.2.7: said together with a rate, a link's surface is not heard, only a base's
             surface = surface_settings(self._body.surfaces.of_link(number, self._body.chain))
-            bullet.changeDynamics(body, link, **surface, physicsClientId=client)
+            engine.changeDynamics(body, link, **surface)
         # every joint has a velocity motor by default; with zero force it is gone, with a force
         # it is dry friction of that torque
         least = ZERO_EFFECT_TORQUE if self._body.has_zero_torque_motors else 0.0
         for index, joint in zip(self._joints, self._body.chain.joints, strict=True):
-            bullet.setJointMotorControl2(
+            engine.setJointMotorControl2(
                 body,
                 index,
-                bullet.VELOCITY_CONTROL,
+                engine.VELOCITY_CONTROL,
                 targetVelocity=0,
                 force=max(joint.friction, least),
-                physicsClientId=client,
             )
 
     def _constrain_base(self) -> None:
@@ -188,22 +181,21 @@ class BulletBody(BulletDynamics):
         frame = start.pose
         inverse = geometry.transposed(self._inertial_in_base)
         origin = geometry.rotate(inverse, geometry.subtract(geometry.ZERO, self._com_in_base))
-        self._bullet.createConstraint(
+        self.engine.createConstraint(
             self.index,
             -1,
             -1,
             -1,
-            self._bullet.JOINT_FIXED,
+            self.engine.JOINT_FIXED,
             [0, 0, 0],
             origin,
             start.position,
             geometry.quaternion_from_rotation(inverse),
             geometry.quaternion_from_rotation(frame.rotation),
-            physicsClientId=self._client,
         )
 
     def _base_inertial_frame(self) -> tuple[Vector, geometry.Matrix]:
-        dynamics = self._bullet.getDynamicsInfo(self.index, -1, self._client)
+        dynamics = self.engine.getDynamicsInfo(self.index, -1)
         return dynamics[3], geometry.rotation_from_quaternion(dynamics[4])
 
     def _check_readback(self) -> None:
@@ -211,14 +203,14 @@ class BulletBody(BulletDynamics):
 
         This catches an inertia the engine would not take, cut lines and misread numbers.
         """
-        bullet, client = self._bullet, self._client
+        engine = self.engine
         links, joints = [], []
         for index, link in enumerate(self.links):
-            dynamics = bullet.getDynamicsInfo(self.index, link, client)
+            dynamics = engine.getDynamicsInfo(self.index, link)
             has_mass = index > 0 or self._body.base != "static"  # a static base reads as mass 0
             links.append(EngineLink(dynamics[0], dynamics[3], dynamics[2]) if has_mass else None)
             if index > 0:
-                info = bullet.getJointInfo(self.index, link, client)
+                info = engine.getJointInfo(self.index, link)
                 # the engine tells the axis in the principal axes of the child
                 principal = geometry.rotation_from_quaternion(dynamics[4])
                 axis = geometry.rotate(principal, info[13])

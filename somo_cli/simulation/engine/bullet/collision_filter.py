@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any
 
+from somo_cli.simulation.engine.bullet.client import BulletClient
 from somo_cli.simulation.plan.model import Plan
 
 MAX_ITERATIONS = 200  # of the solver, at most: few contacts need half of them
@@ -26,17 +26,17 @@ def squared_residual_speed(plan: Plan) -> float:
     return speed**2
 
 
-def disable_collisions(bullet: Any, client: int, body: int, links: Iterable[int]) -> None:
+def disable_collisions(engine: BulletClient, body: int, links: Iterable[int]) -> None:
     """Keep links of a body from being paired with anything.
 
     Seen in 3.2.7: links without shapes are paired with those near them all the same, in every step.
     """
     for link in links:
-        bullet.setCollisionFilterGroupMask(body, link, 0, 0, physicsClientId=client)
+        engine.setCollisionFilterGroupMask(body, link, 0, 0)
 
 
 def disable_fixed_collisions(
-    bullet: Any, client: int, constrained: Iterable[int], held: Sequence[int]
+    engine: BulletClient, constrained: Iterable[int], held: Sequence[int]
 ) -> None:
     """Keep bases that a constraint holds from colliding with each other and with what is held.
 
@@ -46,20 +46,20 @@ def disable_fixed_collisions(
     for base in constrained:
         for other in held:
             if other != base:
-                bullet.setCollisionFilterPair(base, other, -1, -1, 0, physicsClientId=client)
+                engine.setCollisionFilterPair(base, other, -1, -1, 0)
 
 
-def depths(bullet: Any, client: int, order: Sequence[int]) -> dict[tuple[int, int], float]:
+def depths(engine: BulletClient, order: Sequence[int]) -> dict[tuple[int, int], float]:
     """Return how deep two bodies are in each other, for all that are, where they are now.
 
     By their places in `order`, which lists the engine's numbers; the smaller place comes first.
     What cannot collide is in nothing. The world should not be run any more: the engine remembers
     what it was asked.
     """
-    bullet.performCollisionDetection(client)
+    engine.performCollisionDetection()
     places = {number: place for place, number in enumerate(order)}
     found: dict[tuple[int, int], float] = {}
-    for point in bullet.getContactPoints(physicsClientId=client):
+    for point in engine.getContactPoints():
         first, second = sorted((places[point[1]], places[point[2]]))
         depth = -point[8]
         if first != second and depth > found.get((first, second), 0.0):

@@ -1,34 +1,31 @@
-"""A compound in PyBullet: its meshes written, its shapes and its body made.
-
-The engine's module is handed in by `bullet`, which alone imports it.
-"""
+"""A compound in PyBullet: its meshes written, its shapes and its body made."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 from somo_cli.scene.compound import Compound
+from somo_cli.simulation.engine.bullet.client import BulletClient
 
 
-def create_body(bullet: Any, client: int, compound: Compound, stem: str, is_fixed: bool) -> int:
+def create_body(engine: BulletClient, compound: Compound, stem: str, is_fixed: bool) -> int:
     """Make the body, in the frame of its principal axes, and return its index.
 
     Meshes are written to files that start with `stem`. Raises the engine's error.
     """
     kinds = {
-        "box": bullet.GEOM_BOX,
-        "sphere": bullet.GEOM_SPHERE,
-        "cylinder": bullet.GEOM_CYLINDER,
-        "capsule": bullet.GEOM_CAPSULE,
-        "mesh": bullet.GEOM_MESH,
+        "box": engine.GEOM_BOX,
+        "sphere": engine.GEOM_SPHERE,
+        "cylinder": engine.GEOM_CYLINDER,
+        "capsule": engine.GEOM_CAPSULE,
+        "mesh": engine.GEOM_MESH,
     }
     names = []
     for number, shape in enumerate(compound.shapes):
         names.append(f"{stem}_{number}.obj" if shape.obj else "")
         if shape.obj:
             Path(names[-1]).write_text(shape.obj, encoding="utf-8")
-    shapes = bullet.createCollisionShapeArray(
+    shapes = engine.createCollisionShapeArray(
         shapeTypes=[kinds[shape.kind] for shape in compound.shapes],
         radii=[shape.radius for shape in compound.shapes],
         lengths=[shape.length for shape in compound.shapes],
@@ -37,16 +34,13 @@ def create_body(bullet: Any, client: int, compound: Compound, stem: str, is_fixe
         meshScales=[[1, 1, 1]] * len(names),
         collisionFramePositions=[shape.position for shape in compound.shapes],
         collisionFrameOrientations=[shape.orientation_xyzw for shape in compound.shapes],
-        physicsClientId=client,
     )
     mass = 0.0 if is_fixed else compound.mass
-    index: int = bullet.createMultiBody(mass, shapes, -1, [0, 0, 0], physicsClientId=client)
+    index: int = engine.createMultiBody(mass, shapes, -1, [0, 0, 0])
     # seen in 3.2.7: a hull floats on a margin of 0.001 engine units unless told otherwise, which
     # works for shapes made here, but not for those of a URDF with several or with an offset
-    bullet.changeDynamics(index, -1, collisionMargin=compound.margin, physicsClientId=client)
+    engine.changeDynamics(index, -1, collisionMargin=compound.margin)
     if not is_fixed:
         # the engine's own inertia is that of the box around the shapes
-        bullet.changeDynamics(
-            index, -1, localInertiaDiagonal=compound.moments, physicsClientId=client
-        )
+        engine.changeDynamics(index, -1, localInertiaDiagonal=compound.moments)
     return index

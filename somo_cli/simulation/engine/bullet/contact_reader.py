@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from somo_cli.simulation.engine.bullet.client import BulletClient
 from somo_cli.simulation.engine.bullet.contact_parameters import contact_parameters
 from somo_cli.simulation.engine.contacts import LinkIndex
 from somo_cli.simulation.engine.pressing import ContactPair, Pair, PressingForces, PressingPoints
@@ -25,10 +26,9 @@ class BulletContactReader:
     """Reads the contact points of a world; `places` maps the engine's bodies and links."""
 
     def __init__(
-        self, bullet: Any, client: int, plan: Plan, places: Mapping[tuple[int, int], LinkIndex]
+        self, engine: BulletClient, plan: Plan, places: Mapping[tuple[int, int], LinkIndex]
     ) -> None:
-        self._bullet = bullet
-        self._client = client
+        self._engine = engine
         self._places = places
         self._indices = {place: index for index, place in reversed(list(places.items()))}
         self._pairs: dict[Pair, ContactPair] = {}
@@ -38,7 +38,7 @@ class BulletContactReader:
 
     def pressing(self) -> PressingForces | None:
         """Return what pressed in the last step, None where nothing is near anything."""
-        told = self._bullet.getContactPoints(physicsClientId=self._client)
+        told = self._engine.getContactPoints()
         if not told:
             return None
         # seen in 3.2.7: the fields are flag, bodies, links, points, normal, gap, normal force, and
@@ -80,9 +80,7 @@ class BulletContactReader:
         return limit
 
     def _ask(self, pair: Pair) -> ContactPair:
-        first, second = (
-            self._bullet.getDynamicsInfo(*self._indices[place], self._client) for place in pair
-        )
+        first, second = (self._engine.getDynamicsInfo(*self._indices[place]) for place in pair)
         friction = first[1] * second[1]
         # seen in 3.2.7: a rigid surface has a stiffness of -1
         stiffnesses = [one[9] for one in (first, second) if one[9] > 0]

@@ -1,13 +1,9 @@
-"""The dynamics of one body in PyBullet: inertia, bias forces, and what joints feel of them.
-
-The engine's module is handed in by `bullet`, which alone imports it.
-"""
+"""The dynamics of one body in PyBullet: inertia, bias forces, and what joints feel of them."""
 
 from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -16,15 +12,15 @@ from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import EngineRefused
+from somo_cli.simulation.engine.bullet.client import BulletClient
 from somo_cli.simulation.plan.model import Body
 
 
 class BulletDynamics:
     """A loaded body; joints in the order of its chain, engine units."""
 
-    def __init__(self, bullet: Any, client: int, index: int, body: Body, gravity: Vector) -> None:
-        self._bullet = bullet
-        self._client = client
+    def __init__(self, engine: BulletClient, index: int, body: Body, gravity: Vector) -> None:
+        self.engine = engine
         self.index = index
         self._body = body
         self._gravity = self._gravity_in_base = gravity
@@ -54,8 +50,9 @@ class BulletDynamics:
 
         Its forces on a base come first as well, angular, then linear.
         """
-        index, client = self.index, self._client
-        inverse, read, pack = self._bullet.calculateInverseDynamics, np.frombuffer, self._pack
+        index, client = self.index, self.engine.number
+        inverse = self.engine.module.calculateInverseDynamics
+        read, pack = np.frombuffer, self._pack
         rest = [0.0] * self._coordinate_count
 
         def inverse_dynamics(positions: Sequence[float], rates: Sequence[float]) -> Array:
@@ -77,10 +74,8 @@ class BulletDynamics:
         """
         # the base's rows, if it can move, come first: angular, then linear, in its own frame
         try:
-            rows = self._bullet.calculateMassMatrix(
-                self.index, angles, physicsClientId=self._client
-            )
-        except (SystemError, self._bullet.error) as error:
+            rows = self.engine.calculateMassMatrix(self.index, angles)
+        except (SystemError, self.engine.error) as error:
             # seen in 3.2.7: it takes rounding of more than 1e-15 for an inertia that is not
             # symmetric, so one of more than about 1 engine unit, in turned axes, is refused
             raise EngineRefused(
@@ -123,10 +118,10 @@ class BulletDynamics:
         if not self._is_tilted:
             return self._bias(angles, rates, spin, centre)
         # seen in 3.2.7: inverse dynamics takes the base to stand upright, whatever its pose
-        set_gravity = self._bullet.setGravity
-        set_gravity(*self._gravity_in_base, self._client)
+        set_gravity, client = self.engine.module.setGravity, self.engine.number
+        set_gravity(*self._gravity_in_base, client)
         forces = self._bias(angles, rates, spin, centre)
-        set_gravity(*self._gravity, self._client)
+        set_gravity(*self._gravity, client)
         return forces
 
     def _bias(
@@ -175,5 +170,5 @@ class BulletDynamics:
 
     def base_inertial_pose(self) -> Pose:
         """Return the pose in the world of the base's centre of mass, along its principal axes."""
-        centre, orientation = self._bullet.getBasePositionAndOrientation(self.index, self._client)
+        centre, orientation = self.engine.getBasePositionAndOrientation(self.index)
         return Pose(centre, geometry.rotation_from_quaternion(orientation))

@@ -13,6 +13,7 @@ from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.scene.contact_surface import ContactSurface
 from somo_cli.simulation.engine.bullet.anisotropic_friction import AnisotropicFriction, ContactKey
+from somo_cli.simulation.engine.bullet.client import BulletClient
 
 EngineLinkId = tuple[int, int]
 """A link of the engine: body and link."""
@@ -33,15 +34,14 @@ class FrictionLink:
 
     @staticmethod
     def of(
-        bullet: Any,
-        client: int,
+        engine: BulletClient,
         body: int,
         link: int,
         surface: ContactSurface,
         axes: geometry.Matrix | None = None,
     ) -> FrictionLink:
         """Return the skin of a loaded link; `axes` where the engine does not know the link's."""
-        reported = bullet.getDynamicsInfo(body, link, client)
+        reported = engine.getDynamicsInfo(body, link)
         axes = axes or geometry.transposed(geometry.rotation_from_quaternion(reported[4]))
         return FrictionLink(body, link, surface, reported[0], np.array(axes))
 
@@ -115,10 +115,9 @@ class FrictionAdapter:
     """Applies, before a step, the friction at the contacts that the last step has found."""
 
     def __init__(
-        self, bullet: Any, client: int, time_step: float, links: Sequence[FrictionLink]
+        self, engine: BulletClient, time_step: float, links: Sequence[FrictionLink]
     ) -> None:
-        self._bullet = bullet
-        self._client = client
+        self._engine = engine
         self._time_step = time_step
         self._friction = AnisotropicFriction(time_step)
         self._histories: Mapping[EngineLinkId, tuple[InertialPose, InertialPose]] = {}
@@ -215,7 +214,7 @@ class FrictionAdapter:
     def _contacts(self) -> Iterator[tuple[ContactKey, Any]]:
         """Yield each contact of a link whose friction is ours, once, and what the engine tells."""
         for body in self._bodies:
-            for reported in self._bullet.getContactPoints(body, physicsClientId=self._client):
+            for reported in self._engine.getContactPoints(body):
                 key = (reported[1], reported[3], reported[2], reported[4])
                 if key[0] == key[2] or key[:2] not in self._factors:
                     continue
@@ -226,13 +225,13 @@ class FrictionAdapter:
 
     def _inertial_state(self, place: tuple[int, int]) -> tuple[Any, Any, Any, Any]:
         """Return centre, axes of the inertial frame, velocity and spin of a link in the world."""
-        bullet, client = self._bullet, self._client
+        engine = self._engine
         body, link = place
         if link < 0:
-            centre, turn = bullet.getBasePositionAndOrientation(body, client)
-            velocity, spin = bullet.getBaseVelocity(body, client)
+            centre, turn = engine.getBasePositionAndOrientation(body)
+            velocity, spin = engine.getBaseVelocity(body)
         else:
-            state = bullet.getLinkState(body, link, 1, 1, client)
+            state = engine.getLinkState(body, link, 1, 1)
             centre, turn, velocity, spin = state[0], state[1], state[6], state[7]
         return centre, geometry.rotation_from_quaternion(turn), velocity, spin
 
@@ -241,10 +240,8 @@ class FrictionAdapter:
     ) -> None:
         """Apply a force to a link at a point of the world."""
         if self._links[place].mass > 0:
-            bullet = self._bullet
-            bullet.applyExternalForce(
-                *place, force, point, bullet.WORLD_FRAME, physicsClientId=self._client
-            )
+            engine = self._engine
+            engine.applyExternalForce(*place, force, point, engine.WORLD_FRAME)
 
 
 def _reduced_mass(mass: float, other: float) -> float:

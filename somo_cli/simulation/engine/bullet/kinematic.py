@@ -6,13 +6,12 @@ the joints. An object is a body of infinite mass whose velocity is set.
 
 from __future__ import annotations
 
-from typing import Any
-
 from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.engine.bullet.body import BulletBody
+from somo_cli.simulation.engine.bullet.client import BulletClient
 from somo_cli.simulation.engine.bullet.rigid_object import BulletObject
 from somo_cli.simulation.plan.model import Body, PlannedObject
 
@@ -23,9 +22,9 @@ MAX_IMPULSE = 1e12  # engine units of impulse; a constraint gives way beyond 500
 class PrescribedBody(BulletBody):
     """One manipulator whose base goes where it is told, to rounding, whatever pulls at it."""
 
-    def __init__(self, bullet: Any, client: int, body: Body, gravity: Vector, path: str) -> None:
+    def __init__(self, engine: BulletClient, body: Body, gravity: Vector, path: str) -> None:
         self._constraint = -1
-        super().__init__(bullet, client, body, gravity, path)
+        super().__init__(engine, body, gravity, path)
 
     def move_base(self, goal: Pose, is_at_rest: bool) -> None:
         """Have the base frame at this pose after the next step, and after more if at rest."""
@@ -39,11 +38,10 @@ class PrescribedBody(BulletBody):
         x, y, z = (value / share for value in way)
         # the error is measured as the angles of Rz Ry Rx about the body's own axes
         beyond = geometry.rotation_from_rpy(geometry.vector(value / share for value in turn))
-        self._bullet.changeConstraint(
+        self.engine.changeConstraint(
             self._constraint,
             geometry.add(centre, (x, y, z)),
             geometry.quaternion_from_rotation(geometry.multiply(axes, beyond)),
-            physicsClientId=self._client,
         )
         self._gravity_in_base = geometry.rotate(geometry.transposed(axes), self._gravity)
         self._is_tilted = True
@@ -59,53 +57,50 @@ class PrescribedBody(BulletBody):
 
     def _constrain_base(self) -> None:
         # at the centre of mass, of which the engine knows the place to rounding
-        centre, orientation = self._bullet.getBasePositionAndOrientation(self.index, self._client)
-        self._constraint = self._bullet.createConstraint(
+        centre, orientation = self.engine.getBasePositionAndOrientation(self.index)
+        self._constraint = self.engine.createConstraint(
             self.index,
             -1,
             -1,
             -1,
-            self._bullet.JOINT_FIXED,
+            self.engine.JOINT_FIXED,
             [0, 0, 0],
             [0, 0, 0],
             centre,
             [0, 0, 0, 1],
             orientation,
-            physicsClientId=self._client,
         )
-        self._bullet.changeConstraint(
-            self._constraint, maxForce=MAX_IMPULSE, physicsClientId=self._client
-        )
+        self.engine.changeConstraint(self._constraint, maxForce=MAX_IMPULSE)
 
 
 class KinematicObject(BulletObject):
     """One object that goes where it is told and yields to nothing; contact feels its velocity."""
 
-    def __init__(self, bullet: Any, client: int, planned: PlannedObject, path: str) -> None:
+    def __init__(self, engine: BulletClient, planned: PlannedObject, path: str) -> None:
         self._velocity = (geometry.ZERO, geometry.ZERO)
-        super().__init__(bullet, client, planned, path)
+        super().__init__(engine, planned, path)
 
     def move_to(self, goal: Pose, time_step: float) -> None:
         """Have the frame at this pose after the next step."""
         goal = self.to_engine(goal)
-        centre, orientation = self._bullet.getBasePositionAndOrientation(self.index, self._client)
+        centre, orientation = self.engine.getBasePositionAndOrientation(self.index)
         axes = geometry.rotation_from_quaternion(orientation)
         way = geometry.subtract(goal.position, centre)
         # seen in 3.2.7: the pose of a fixed base is advanced by its velocity all the same, which
         # is that of the centre of mass
         turn = geometry.rotation_vector(geometry.multiply(goal.rotation, geometry.transposed(axes)))
         self._velocity = (_divided(way, time_step), _divided(turn, time_step))
-        self._bullet.resetBaseVelocity(self.index, *self._velocity, physicsClientId=self._client)
+        self.engine.resetBaseVelocity(self.index, *self._velocity)
 
     def hold_pose(self) -> None:
         """Have the frame stay where it is until it is moved."""
         self._velocity = (geometry.ZERO, geometry.ZERO)
-        self._bullet.resetBaseVelocity(self.index, *self._velocity, physicsClientId=self._client)
+        self.engine.resetBaseVelocity(self.index, *self._velocity)
 
     def reset(self, linear_velocity: Vector | None = None) -> None:
         """Put the object at its start; its velocity stays what it was told last."""
         super().reset(linear_velocity)
-        self._bullet.resetBaseVelocity(self.index, *self._velocity, physicsClientId=self._client)
+        self.engine.resetBaseVelocity(self.index, *self._velocity)
 
 
 def _divided(vector: Vector, time: float) -> Vector:

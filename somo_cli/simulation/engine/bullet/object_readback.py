@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 from somo_cli.manipulator import geometry
+from somo_cli.simulation.engine.bullet.client import BulletClient
 from somo_cli.simulation.plan.model import PlannedObject
 
 TOLERANCE = 1e-9  # relative; the engine keeps doubles, and diagonalises inertias itself
 
 
-def object_mismatches(bullet: Any, client: int, index: int, planned: PlannedObject) -> list[str]:
+def object_mismatches(engine: BulletClient, index: int, planned: PlannedObject) -> list[str]:
     """Return one sentence for each number in which the engine's body differs from the plan.
 
     Mass, all principal moments, and where the centre of mass and the principal axes are.
     """
-    told = bullet.getDynamicsInfo(index, -1, client)
+    told = engine.getDynamicsInfo(index, -1)
     (link,) = planned.rigid_object.chain.links
     found: list[str] = []
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from somo_cli.arrays import Array
@@ -14,6 +12,7 @@ from somo_cli.problems import EngineRefused
 from somo_cli.simulation.engine.bullet import collision_filter
 from somo_cli.simulation.engine.bullet import compound as bullet_compound
 from somo_cli.simulation.engine.bullet.body import UNLIMITED_RATE
+from somo_cli.simulation.engine.bullet.client import BulletClient
 from somo_cli.simulation.engine.bullet.contact_parameters import surface_settings
 from somo_cli.simulation.engine.bullet.object_readback import object_mismatches
 from somo_cli.simulation.plan.model import PlannedObject
@@ -22,25 +21,23 @@ from somo_cli.simulation.plan.model import PlannedObject
 class BulletObject:
     """One object in the engine, engine units. `path` is that of a URDF file, if it has one."""
 
-    def __init__(self, bullet: Any, client: int, planned: PlannedObject, path: str) -> None:
-        self._bullet = bullet
-        self._client = client
+    def __init__(self, engine: BulletClient, planned: PlannedObject, path: str) -> None:
+        self.engine = engine
         self._object = planned.rigid_object
         self._principal_frame = planned.compound.frame if planned.compound else None
         if planned.compound:
             stem, has_prescribed_pose = path.removesuffix(".urdf"), self._object.has_prescribed_pose
             self.index = bullet_compound.create_body(
-                bullet, client, planned.compound, stem, has_prescribed_pose
+                engine, planned.compound, stem, has_prescribed_pose
             )
         else:
-            flags = bullet.URDF_USE_INERTIA_FROM_FILE | bullet.URDF_USE_IMPLICIT_CYLINDER
-            self.index = bullet.loadURDF(
+            flags = engine.URDF_USE_INERTIA_FROM_FILE | engine.URDF_USE_IMPLICIT_CYLINDER
+            self.index = engine.loadURDF(
                 path,
                 useFixedBase=self._object.has_prescribed_pose,
                 flags=flags,
-                physicsClientId=client,
             )
-        bullet.changeDynamics(
+        engine.changeDynamics(
             self.index,
             -1,
             linearDamping=0,
@@ -48,12 +45,11 @@ class BulletObject:
             # seen in 3.2.7: no coordinate's rate may be above 100, a base's included
             maxJointVelocity=UNLIMITED_RATE,
             **surface_settings(self._object.surface),
-            physicsClientId=client,
         )
         if not self._object.collides:
-            collision_filter.disable_collisions(bullet, client, self.index, [-1])
+            collision_filter.disable_collisions(engine, self.index, [-1])
         if not self._object.has_prescribed_pose:
-            mismatches = object_mismatches(bullet, client, self.index, planned)
+            mismatches = object_mismatches(engine, self.index, planned)
             if mismatches:
                 raise EngineRefused(self._object.name, "; ".join(mismatches))
         self.reset()
@@ -62,17 +58,15 @@ class BulletObject:
         """Put the object at its start, with another velocity if given."""
         planned_object = self._object
         start = self.to_engine(planned_object.pose)
-        self._bullet.resetBasePositionAndOrientation(
+        self.engine.resetBasePositionAndOrientation(
             self.index,
             start.position,
             geometry.quaternion_from_rotation(start.rotation),
-            self._client,
         )
-        self._bullet.resetBaseVelocity(
+        self.engine.resetBaseVelocity(
             self.index,
             linear_velocity or planned_object.linear_velocity,
             planned_object.angular_velocity,
-            physicsClientId=self._client,
         )
 
     def to_engine(self, frame: Pose) -> Pose:
@@ -88,7 +82,7 @@ class BulletObject:
 
     def pose(self) -> Pose:
         """Return the pose of the object's frame in the world."""
-        position, turn = self._bullet.getBasePositionAndOrientation(self.index, self._client)
+        position, turn = self.engine.getBasePositionAndOrientation(self.index)
         rotation = geometry.rotation_from_quaternion(turn)
         if self._principal_frame:
             # the engine tells the pose of the principal axes
@@ -101,11 +95,11 @@ class BulletObject:
 
     def mobility(self) -> tuple[Vector, Array]:
         """Return its centre of mass and the inverse of its inertia, (6, 6), in the world."""
-        bullet, client = self._bullet, self._client
-        centre, turn = bullet.getBasePositionAndOrientation(self.index, client)
+        engine = self.engine
+        centre, turn = engine.getBasePositionAndOrientation(self.index)
         inverse: Array = np.zeros((6, 6))
         if not self._object.has_prescribed_pose:
-            told = bullet.getDynamicsInfo(self.index, -1, client)
+            told = engine.getDynamicsInfo(self.index, -1)
             axes = np.array(geometry.rotation_from_quaternion(turn))
             inverse[:3, :3] = axes / np.array(told[2]) @ axes.T
             inverse[3:, 3:] = np.eye(3) / told[0]
@@ -113,5 +107,5 @@ class BulletObject:
 
     def velocity(self) -> tuple[Vector, Vector]:
         """Return the velocity of its centre and its angular velocity, in the world."""
-        linear, angular = self._bullet.getBaseVelocity(self.index, self._client)
+        linear, angular = self.engine.getBaseVelocity(self.index)
         return linear, angular

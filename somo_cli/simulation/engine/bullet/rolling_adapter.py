@@ -16,6 +16,7 @@ from typing import Any
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Matrix, Vector
 from somo_cli.scene.round_body import RoundBody, torque
+from somo_cli.simulation.engine.bullet.client import BulletClient
 
 Place = tuple[int, int]
 """A link of the engine: body and link."""
@@ -29,24 +30,22 @@ class RollingAdapter:
 
     def __init__(
         self,
-        bullet: Any,
-        client: int,
+        engine: BulletClient,
         time_step: float,
         ground: int,
         rounds: Mapping[Place, RoundBody],
     ) -> None:
-        self._bullet = bullet
-        self._client = client
+        self._engine = engine
         self._time_step = time_step
         self._ground = ground
         self._rounds = rounds
 
     def apply(self) -> None:
         """Apply the torques that move the normal forces of the last step to where bodies stand."""
-        bullet, client = self._bullet, self._client
+        engine = self._engine
         poses: dict[Place, tuple[Vector, Matrix]] = {}
         torques: dict[Place, Vector] = {}
-        for one in bullet.getContactPoints(physicsClientId=client):
+        for one in engine.getContactPoints():
             if one[9] <= 0 or self._ground not in one[1:3]:
                 continue
             place = (one[1], one[3]) if one[2] == self._ground else (one[2], one[4])
@@ -55,7 +54,7 @@ class RollingAdapter:
                 turn = self._torque(one, self._rounds[place], pose)
                 torques[place] = geometry.add(torques.get(place, geometry.ZERO), turn)
         for place, turn in torques.items():
-            bullet.applyExternalTorque(*place, turn, bullet.WORLD_FRAME, client)
+            engine.applyExternalTorque(*place, turn, engine.WORLD_FRAME)
 
     def _torque(self, reported: Any, body: RoundBody, pose: tuple[Vector, Matrix]) -> Vector:
         """Return the torque for one contact point, as the engine reports it, in the world."""
@@ -71,13 +70,13 @@ class RollingAdapter:
 
     def _pose(self, place: Place) -> tuple[Vector, Matrix]:
         """Return the pose of a link at the start of the last step, when points were found."""
-        bullet, client = self._bullet, self._client
+        engine = self._engine
         body, link = place
         if link >= 0:
-            state = bullet.getLinkState(body, link, 1, 0, client)
+            state = engine.getLinkState(body, link, 1, 0)
             return state[0], geometry.rotation_from_quaternion(state[1])
-        centre, turn = bullet.getBasePositionAndOrientation(body, client)
-        velocity, spin = bullet.getBaseVelocity(body, client)
+        centre, turn = engine.getBasePositionAndOrientation(body)
+        velocity, spin = engine.getBaseVelocity(body)
         back = -self._time_step
         x, y, z = (back * rate for rate in velocity)
         axes = geometry.rotation_from_quaternion(turn)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from typing import Any
 
 from somo_cli.manipulator.chain import Chain, Shape
 from somo_cli.manipulator.solids import Box, Cylinder, Sphere
+from somo_cli.simulation.engine.bullet.client import BulletClient
 
 
 def disable_near_collisions(
-    bullet: Any, client: int, body: int, links: Sequence[int], chain: Chain
+    engine: BulletClient, body: int, links: Sequence[int], chain: Chain
 ) -> None:
     """Let only links collide that are farther apart than the body is wide, all joints at zero.
 
@@ -22,11 +22,11 @@ def disable_near_collisions(
     width = _body_width(chain)
     parents = {(joint.parent, child) for child, joint in enumerate(chain.joints, start=1)}
     for (a, link), (b, other) in itertools.combinations(enumerate(links), 2):
-        near = (a, b) in parents or bullet.getClosestPoints(
-            body, body, width, linkIndexA=link, linkIndexB=other, physicsClientId=client
+        near = (a, b) in parents or engine.getClosestPoints(
+            body, body, width, linkIndexA=link, linkIndexB=other
         )
         if near:
-            bullet.setCollisionFilterPair(body, body, link, other, 0, physicsClientId=client)
+            engine.setCollisionFilterPair(body, body, link, other, 0)
 
 
 def _body_width(chain: Chain) -> float:

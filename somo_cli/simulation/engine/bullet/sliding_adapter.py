@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from somo_cli.simulation.engine.bullet.client import BulletClient
 from somo_cli.simulation.engine.bullet.sliding_friction import (
     LinkMotion,
     MissingFriction,
@@ -39,10 +40,9 @@ class SlidingAdapter:
     """
 
     def __init__(
-        self, bullet: Any, client: int, time_step: float, frictions: Mapping[Place, float]
+        self, engine: BulletClient, time_step: float, frictions: Mapping[Place, float]
     ) -> None:
-        self._bullet = bullet
-        self._client = client
+        self._engine = engine
         self._time_step = time_step
         self._frictions = frictions
         self._limits: dict[Key, float] = {}  # squares of products of coefficients
@@ -66,7 +66,7 @@ class SlidingAdapter:
             return
         sliding = self._sliding
         if sliding is None:
-            reported = self._bullet.getContactPoints(physicsClientId=self._client)
+            reported = self._engine.getContactPoints()
             sliding = self._sliding_points(reported)
         self._sliding = None
         self.applied = []
@@ -111,32 +111,32 @@ class SlidingAdapter:
         """Return one over mass and over least moment of inertia of a link; 0 if fixed."""
         known = self._masses.get(place)
         if known is None:
-            reported = self._bullet.getDynamicsInfo(*place, self._client)
+            reported = self._engine.getDynamicsInfo(*place)
             known = (1 / reported[0], 1 / min(reported[2])) if reported[0] > 0 else (0.0, 0.0)
             self._masses[place] = known
         return known
 
     def _moving(self, place: Place) -> LinkMotion:
-        bullet, client = self._bullet, self._client
+        engine = self._engine
         body, link = place
         if link < 0:
-            (x, y, z), _ = bullet.getBasePositionAndOrientation(body, client)
-            velocity, spin = bullet.getBaseVelocity(body, client)
+            (x, y, z), _ = engine.getBasePositionAndOrientation(body)
+            velocity, spin = engine.getBaseVelocity(body)
             (vx, vy, vz), time = velocity, self._time_step
             # the pose at the start of the step, as of the contact points
             return LinkMotion((x - time * vx, y - time * vy, z - time * vz), velocity, spin)
         # without new kinematics this is the pose at the start of the step, too
-        state = bullet.getLinkState(body, link, 1, 0, client)
+        state = engine.getLinkState(body, link, 1, 0)
         return LinkMotion(state[0], state[6], state[7])
 
     def _push(self, key: Key, found: MissingFriction) -> None:
         """Apply a wrench to the first link of a pair, the opposite to the other."""
-        bullet, client, world = self._bullet, self._client, self._bullet.WORLD_FRAME
+        engine, world = self._engine, self._engine.WORLD_FRAME
         self.applied.append((key, found.point, found.force))
         (fx, fy, fz), (tx, ty, tz) = found.force, found.torque
         if self._mass(key[:2])[0] > 0:
-            bullet.applyExternalForce(*key[:2], (fx, fy, fz), found.point, world, client)
-            bullet.applyExternalTorque(*key[:2], (tx, ty, tz), world, client)
+            engine.applyExternalForce(*key[:2], (fx, fy, fz), found.point, world)
+            engine.applyExternalTorque(*key[:2], (tx, ty, tz), world)
         if self._mass(key[2:])[0] > 0:
-            bullet.applyExternalForce(*key[2:], (-fx, -fy, -fz), found.point, world, client)
-            bullet.applyExternalTorque(*key[2:], (-tx, -ty, -tz), world, client)
+            engine.applyExternalForce(*key[2:], (-fx, -fy, -fz), found.point, world)
+            engine.applyExternalTorque(*key[2:], (-tx, -ty, -tz), world)

@@ -12,6 +12,7 @@ from somo_cli.scene.contact_surface import ContactSurface
 from somo_cli.scene.round_body import RoundBody, round_body_of
 from somo_cli.simulation.engine.bullet import contact_parameters
 from somo_cli.simulation.engine.bullet.body import BulletBody
+from somo_cli.simulation.engine.bullet.client import BulletClient
 from somo_cli.simulation.engine.bullet.friction_adapter import FrictionAdapter, FrictionLink
 from somo_cli.simulation.engine.bullet.rigid_object import BulletObject
 from somo_cli.simulation.engine.bullet.rolling_adapter import RollingAdapter
@@ -34,31 +35,30 @@ class StepCorrections:
 
     def __init__(
         self,
-        bullet: Any,
-        client: int,
+        engine: BulletClient,
         plan: Plan,
         bodies: Sequence[BulletBody],
         objects: Sequence[BulletObject],
         ground: int | None,
     ) -> None:
-        self._bullet, self._client, self._plan = bullet, client, plan
+        self._engine, self._plan = engine, plan
         self._bodies, self._objects, self._ground = bodies, objects, ground
         surfaces = list(self._surfaces())
         self.anisotropic: FrictionAdapter | None = None
         self.sliding: SlidingAdapter | None = None
         self.rolling: RollingAdapter | None = None
         if any(surface.friction_anisotropy is not None for _, _, surface, _ in surfaces):
-            links = [FrictionLink.of(bullet, client, *one) for one in surfaces]
-            self.anisotropic = FrictionAdapter(bullet, client, plan.time_step, links)
+            links = [FrictionLink.of(engine, *one) for one in surfaces]
+            self.anisotropic = FrictionAdapter(engine, plan.time_step, links)
         if plan.can_touch:
             frictions = {
                 (body, link): contact_parameters.surface_settings(surface)["lateralFriction"]
                 for body, link, surface, _ in surfaces
             }
-            self.sliding = SlidingAdapter(bullet, client, plan.time_step, frictions)
+            self.sliding = SlidingAdapter(engine, plan.time_step, frictions)
         if ground is not None and contact_parameters.has_soft_ground(plan):
             rounds = dict(self._rounds())
-            self.rolling = RollingAdapter(bullet, client, plan.time_step, ground, rounds)
+            self.rolling = RollingAdapter(engine, plan.time_step, ground, rounds)
 
     def before(self, step: Callable[[], object]) -> Callable[[], object]:
         """Return the engine's step with these corrections before it."""
@@ -97,7 +97,7 @@ class StepCorrections:
             for number, link in zip(body.links, planned.chain.links, strict=True):
                 found = round_body_of(link)
                 if found is not None:
-                    reported = self._bullet.getDynamicsInfo(body.index, number, self._client)
+                    reported = self._engine.getDynamicsInfo(body.index, number)
                     axes = geometry.rotation_from_quaternion(reported[4])
                     yield (body.index, number), found.seen_from(reported[3], axes)
         for rigid_object, of_object in zip(self._objects, self._plan.objects, strict=True):

@@ -10,14 +10,13 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from types import TracebackType
-from typing import Any
 
 from somo_cli.problems import EngineRefused
 from somo_cli.scene.contact_surface import Ground
 from somo_cli.simulation.engine.bullet import collision_filter, contact_parameters
 from somo_cli.simulation.engine.bullet.body import BulletBody
 from somo_cli.simulation.engine.bullet.c_stdio import captured_output, decimal_points
-from somo_cli.simulation.engine.bullet.client import import_pybullet
+from somo_cli.simulation.engine.bullet.client import BulletClient
 from somo_cli.simulation.engine.bullet.contact_reader import BulletContactReader
 from somo_cli.simulation.engine.bullet.kinematic import KinematicObject, PrescribedBody
 from somo_cli.simulation.engine.bullet.rigid_object import BulletObject
@@ -35,8 +34,7 @@ class BulletWorld:
     def __init__(self, plan: Plan) -> None:
         self._plan = plan
         self._contact_gap = contact_parameters.contact_parameters(plan)["contactBreakingThreshold"]
-        self._bullet: Any = None
-        self._client = -1
+        self._client: BulletClient | None = None
         self._start = -1  # the engine's number of the state after loading
         self.bodies: list[BulletBody] = []
         self.objects: list[BulletObject] = []
@@ -53,11 +51,10 @@ class BulletWorld:
     def __enter__(self) -> BulletWorld:
         """Load every body. What the engine prints meanwhile is in the error, if it refuses one."""
         with captured_output() as printed, decimal_points():
-            self._bullet = import_pybullet()
-            self._client = self._bullet.connect(self._bullet.DIRECT)
+            self._client = BulletClient()
             try:
                 self._load_plan()
-            except self._bullet.error as error:
+            except self.engine.error as error:
                 self.close()
                 raise EngineRefused(
                     self._body_being_loaded(), f"{error} {printed()}".strip()
@@ -77,15 +74,20 @@ class BulletWorld:
 
     def close(self) -> None:
         """Free the engine; the world cannot be stepped any more."""
-        if self._client >= 0:
-            self._bullet.disconnect(physicsClientId=self._client)
-            self._client = -1
+        if self._client is not None:
+            self._client.close()
+
+    @property
+    def engine(self) -> BulletClient:
+        """The engine, once the world was entered."""
+        assert self._client is not None, "the world is entered first"
+        return self._client
 
     def contact_points(self) -> list[ContactPoint]:
         """Return every contact point of the last step, in the engine's order, then what is ours."""
         # seen in 3.2.7: asked for one body, the engine turns the normals of those contacts in which
         # that body is the second one, and not the forces of friction; asked for all it turns none
-        reported = self._bullet.getContactPoints(physicsClientId=self._client)
+        reported = self.engine.getContactPoints()
         places = self._link_indices
         found = [
             ContactPoint(
@@ -106,7 +108,7 @@ class BulletWorld:
     def penetrations(self) -> list[tuple[LinkIndex, LinkIndex, float]]:
         """Return which parts were how deep in each other in the last step; depths above 0 only."""
         places = self._link_indices
-        reported = self._bullet.getContactPoints(physicsClientId=self._client)
+        reported = self.engine.getContactPoints()
         self._contact_count = len(reported)
         if self._corrections is not None:
             self._corrections.check(reported)
@@ -118,16 +120,14 @@ class BulletWorld:
 
     def contact_reader(self) -> BulletContactReader:
         """Return what reads the contact points that press."""
-        return BulletContactReader(self._bullet, self._client, self._plan, self._link_indices)
+        return BulletContactReader(self.engine, self._plan, self._link_indices)
 
     def adapt_solver_iterations(self) -> None:
         """Let the solver take as many iterations as pay with what `penetrations` saw last."""
         iterations = collision_filter.iteration_limit(self._contact_count)
         if iterations != self._iterations:
             self._iterations = iterations
-            self._bullet.setPhysicsEngineParameter(
-                numSolverIterations=iterations, physicsClientId=self._client
-            )
+            self.engine.setPhysicsEngineParameter(numSolverIterations=iterations)
 
     def depths(self) -> dict[tuple[int, int], float]:
         """Return how deep parts of the scene are in each other [engine units], where they are.
@@ -137,20 +137,18 @@ class BulletWorld:
         order = [body.index for body in self.bodies]
         order += [rigid_object.index for rigid_object in self.objects]
         with captured_output():  # nothing is stepped yet, as while loading
-            return collision_filter.depths(self._bullet, self._client, order + self._ground_indices)
+            return collision_filter.depths(self.engine, order + self._ground_indices)
 
     def claim_engine(self) -> None:
         """Set again what all engines of a process share, since another one may have set it.
 
         Seen in 3.2.7: contactBreakingThreshold is one for all of them.
         """
-        self._bullet.setPhysicsEngineParameter(
-            contactBreakingThreshold=self._contact_gap, physicsClientId=self._client
-        )
+        self.engine.setPhysicsEngineParameter(contactBreakingThreshold=self._contact_gap)
 
     def save_start(self) -> None:
         """Keep the present state, right after loading, for `restore_start`."""
-        self._start = self._bullet.saveState(self._client)
+        self._start = self.engine.saveState()
 
     def restore_start(self) -> None:
         """Go back to the state that was kept.
@@ -158,7 +156,7 @@ class BulletWorld:
         Seen in 3.2.7: what depends on contacts of the past is not part of it, so this is for
         worlds in which nothing can touch.
         """
-        self._bullet.restoreState(self._start, physicsClientId=self._client)
+        self.engine.restoreState(self._start)
 
     @staticmethod
     def _raise_not_entered() -> None:
@@ -166,43 +164,38 @@ class BulletWorld:
 
     def _load_plan(self) -> None:
         # advances every body by one time step; torques last for one step
-        self.step = partial(self._bullet.stepSimulation, self._client)
+        self.step = partial(self.engine.module.stepSimulation, self.engine.number)
         # the cache would serve an old file under a known name, even after a reset; the solver would
         # be content with 50 iterations, or with an error of 3e-4 engine units per second, which to
         # the constraints, contacts and dry friction of a small body is as good as any; so it goes
         # on for as many as a step's contacts need
-        self._bullet.setPhysicsEngineParameter(
+        self.engine.setPhysicsEngineParameter(
             enableFileCaching=0,
             fixedTimeStep=self._plan.time_step,
             numSolverIterations=self._iterations,
             solverResidualThreshold=collision_filter.squared_residual_speed(self._plan),
-            physicsClientId=self._client,
         )
-        self._bullet.setPhysicsEngineParameter(
-            **contact_parameters.contact_parameters(self._plan), physicsClientId=self._client
-        )
-        self._bullet.setGravity(*self._plan.gravity, physicsClientId=self._client)
+        self.engine.setPhysicsEngineParameter(**contact_parameters.contact_parameters(self._plan))
+        self.engine.setGravity(*self._plan.gravity)
         with tempfile.TemporaryDirectory(prefix="somo-") as folder:
             for number, body in enumerate(self._plan.bodies):
                 path = Path(folder) / f"{number}.urdf"
                 path.write_text(body.urdf, encoding="utf-8")
                 kind = BulletBody if body.path is None else PrescribedBody
-                self.bodies.append(
-                    kind(self._bullet, self._client, body, self._plan.gravity, str(path))
-                )
+                self.bodies.append(kind(self.engine, body, self._plan.gravity, str(path)))
 
             for number, rigid_object in enumerate(self._plan.objects):
                 path = Path(folder) / f"object_{number}.urdf"
                 if rigid_object.urdf:
                     path.write_text(rigid_object.urdf, encoding="utf-8")
                 of_object = BulletObject if rigid_object.path is None else KinematicObject
-                self.objects.append(of_object(self._bullet, self._client, rigid_object, str(path)))
+                self.objects.append(of_object(self.engine, rigid_object, str(path)))
         ground = None if self._plan.ground is None else self._add_ground(self._plan.ground)
         self._ground_indices = [] if ground is None else [ground]
         self._disable_fixed_collisions()
         self._index_links()
         self._corrections = StepCorrections(
-            self._bullet, self._client, self._plan, self.bodies, self.objects, ground
+            self.engine, self._plan, self.bodies, self.objects, ground
         )
         self.step = self._corrections.before(self.step)
 
@@ -212,7 +205,7 @@ class BulletWorld:
                 self._link_indices[body.index, link] = (number, place)
         others = [rigid_object.index for rigid_object in self.objects] + self._ground_indices
         for number, index in enumerate(others, start=len(self.bodies)):
-            for link in range(-1, self._bullet.getNumJoints(index, self._client)):
+            for link in range(-1, self.engine.getNumJoints(index)):
                 self._link_indices[index, link] = (number, 0)
 
     def _disable_fixed_collisions(self) -> None:
@@ -223,28 +216,20 @@ class BulletWorld:
         for rigid_object, of_object in zip(self.objects, self._plan.objects, strict=True):
             if of_object.rigid_object.has_prescribed_pose:
                 held.append(rigid_object.index)
-        collision_filter.disable_fixed_collisions(
-            self._bullet, self._client, bases["constrained"], held
-        )
+        collision_filter.disable_fixed_collisions(self.engine, bases["constrained"], held)
         if not (self._plan.can_touch or self._plan.keeps_unused):
             for body in self.bodies:
-                collision_filter.disable_collisions(
-                    self._bullet, self._client, body.index, body.links
-                )
+                collision_filter.disable_collisions(self.engine, body.index, body.links)
 
     def _add_ground(self, ground: Ground) -> int:
         # seen in 3.2.7: on a plane (GEOM_PLANE) a sliding box stands on one or two points and
         # sinks in by millimetres, on a large box on four
-        bullet, client = self._bullet, self._client
+        engine = self.engine
         half = [GROUND_HALF_WIDTH, GROUND_HALF_WIDTH, GROUND_THICKNESS / 2]
-        slab = bullet.createCollisionShape(
-            bullet.GEOM_BOX, halfExtents=half, physicsClientId=client
-        )
+        slab = engine.createCollisionShape(engine.GEOM_BOX, halfExtents=half)
         below = [0, 0, ground.height - GROUND_THICKNESS / 2]
-        index: int = bullet.createMultiBody(0, slab, -1, below, physicsClientId=client)
-        bullet.changeDynamics(
-            index, -1, **contact_parameters.surface_settings(ground.surface), physicsClientId=client
-        )
+        index: int = engine.createMultiBody(0, slab, -1, below)
+        engine.changeDynamics(index, -1, **contact_parameters.surface_settings(ground.surface))
         return index
 
     def _body_being_loaded(self) -> str:

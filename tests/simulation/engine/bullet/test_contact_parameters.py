@@ -159,6 +159,6 @@ def test_every_link_has_the_friction_asked_for() -> None:
     plan = make_plan(scene_from_text(json.dumps({"manipulators": [one], "ground": {"height": -1}})))
     bullet = pytest.importorskip("pybullet")
     with BulletWorld(plan) as world:
-        body, client = world.bodies[0], world._client
+        body, client = world.bodies[0], world.engine.number
         told = [bullet.getDynamicsInfo(body.index, link, client) for link in body.links]
     assert [(one[1], one[5]) for one in told] == [(2.0, 0.1)] * 3

@@ -82,7 +82,7 @@ def test_worlds_of_the_same_names_are_not_mistaken() -> None:
         plan = plan_of({"definition": manipulator(actuator(1, X), tip_definition=tip)})
         with BulletWorld(plan) as world:
             engine: Any = world.bodies[0]
-            told = engine._bullet.getDynamicsInfo(engine.index, 0, engine._client)
+            told = engine.engine.getDynamicsInfo(engine.index, 0)
             assert told[0] == pytest.approx(mass + 0.0015)
 
 
@@ -96,7 +96,7 @@ def test_the_world_is_left_also_after_an_error() -> None:
     with pytest.raises(ZeroDivisionError):
         fail()
     engine: Any = world.bodies[0]
-    assert not engine._bullet.isConnected(engine._client)
+    assert engine.engine.number == -1
     world.close()
 
 
@@ -261,13 +261,11 @@ def test_torques_are_all_that_is_applied_however_many_joints(segments: int) -> N
     rates = []
     for is_by_name in (False, True):
         with BulletWorld(plan) as world:
-            body, bullet = world.bodies[0], world._bullet
-            joints, mode = list(range(count)), bullet.TORQUE_CONTROL
+            body, engine = world.bodies[0], world.engine
+            joints, mode = list(range(count)), engine.TORQUE_CONTROL
             for _ in range(3):
                 if is_by_name:
-                    bullet.setJointMotorControlArray(
-                        body.index, joints, mode, forces=torques, physicsClientId=world._client
-                    )
+                    engine.setJointMotorControlArray(body.index, joints, mode, forces=torques)
                 else:
                     body.apply(torques)
                 world.step()
@@ -541,5 +539,5 @@ def test_the_solver_takes_fewer_iterations_where_many_points_touch() -> None:
         for many in (17, 17, 3):
             world._contact_count = many
             world.adapt_solver_iterations()
-            told = world._bullet.getPhysicsEngineParameters(world._client)
+            told = world.engine.getPhysicsEngineParameters()
             assert told["numSolverIterations"] == collision_filter.iteration_limit(many)
