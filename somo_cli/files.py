@@ -62,13 +62,6 @@ def open_reference(
     return str(path), _read(real, str(path), largest, is_binary)
 
 
-@contextmanager
-def open_lines(path: str) -> Iterator[TextIO]:
-    """Give the lines of a text file one by one, however long it is. Raises OSError."""
-    with Path(path).open(encoding="utf-8", errors="replace", newline="") as stream:
-        yield stream
-
-
 def write_atomically(path: str, content: str | bytes) -> None:
     """Write a file such that it has the old contents or all of the new, never a part.
 

@@ -45,7 +45,7 @@ def test_blocked_force_is_that_of_the_closed_form(step: float) -> None:
     # the force acts on the middle of the ball, which is beyond the end of the actuator
     moment_arms = dataclasses.replace(of_definition(compiled.definition, 0, 0), at=REACH - base)
     found = trial(blocked(), step).figure
-    assert found == pytest.approx(moment_arms.blocked_force(0.005), rel=1e-3)
+    assert found == pytest.approx(0.005 / moment_arms.torque(1.0), rel=1e-3)
     assert found == pytest.approx(trial(blocked(), FINE, EXPLICIT).figure, rel=1e-9)
 
 

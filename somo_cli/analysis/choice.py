@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from somo_cli.analysis.study import Discretization, Study, StudyCase
+from somo_cli.analysis.study_model import Discretization, Study, StudyCase
 
 
 @dataclass(frozen=True, slots=True)

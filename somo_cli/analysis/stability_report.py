@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from somo_cli.analysis.numerics import NumericsReport
 from somo_cli.analysis.stability import StabilityForecast
+from somo_cli.analysis.text_table import table_lines
 from somo_cli.arrays import Array
 from somo_cli.scene.model import Integrator
 
@@ -15,17 +16,13 @@ INTEGRATORS: tuple[Integrator, ...] = ("implicit", "euler", "explicit")
 
 def table(report: NumericsReport) -> list[str]:
     """Return what to print: the modes of every body, then the steps."""
-    lines: list[str] = []
+    rows: list[list[str]] = []
     for one in report.forecasts:
-        lines += _forecast_lines(one)
-        lines.append("")
-    lines.append(f"{'recommended step':34}" + "".join(f"{name:>14}" for name in INTEGRATORS))
-    steps = [f"{report.recommended_step_for(name):g} s" for name in INTEGRATORS]
-    lines.append(f"{'':34}" + "".join(f"{step:>14}" for step in steps))
+        rows += [*_forecast_rows(one), []]
+    rows.append(["recommended step", *INTEGRATORS])
+    rows.append(["", *(f"{report.recommended_step_for(name):g} s" for name in INTEGRATORS)])
     plan = report.plan
-    verdict = _verdict(report)
-    lines.append(f"{plan.integrator} at {plan.time_step:g} s: {verdict}")
-    return lines
+    return [*table_lines(rows), f"{plan.integrator} at {plan.time_step:g} s: {_verdict(report)}"]
 
 
 def _verdict(report: NumericsReport) -> str:
@@ -41,11 +38,9 @@ def _verdict(report: NumericsReport) -> str:
     return f"{stable}; a tip error of about {100 * report.error:.2g} % of the length is expected"
 
 
-def _forecast_lines(one: StabilityForecast) -> Iterator[str]:
-    names = list(one.modes)
+def _forecast_rows(one: StabilityForecast) -> Iterator[list[str]]:
     modes = list(one.modes.values())
-    title = f"{one.body.name}: {len(one.body.chain.joints)} joints"
-    yield f"{title:34}" + "".join(f"{name:>14}" for name in names)
+    yield [f"{one.body.name}: {len(one.body.chain.joints)} joints", *one.modes]
     rows = {
         "lowest natural frequency [rad/s]": [each.frequencies[0] for each in modes],
         "                         [Hz]": [each.frequencies[0] / (2 * math.pi) for each in modes],
@@ -57,7 +52,7 @@ def _forecast_lines(one: StabilityForecast) -> Iterator[str]:
         "largest explicit step [s]": [each.explicit_step for each in modes],
     }
     for name, values in rows.items():
-        yield f"  {name:32}" + "".join(f"{value:14.4g}" for value in values)
+        yield [f"  {name}", *(f"{value:.4g}" for value in values)]
 
 
 def stiffness_ratio(frequencies: Array) -> float:

@@ -9,36 +9,30 @@ from collections.abc import Iterator, Sequence
 
 from somo_cli.analysis.choice import RatedCase, balanced, cheapest, most_accurate
 from somo_cli.analysis.errors import UNITS, ErrorSummary
-from somo_cli.analysis.study import Discretization, Study, StudyCase
+from somo_cli.analysis.study_model import Discretization, Study, StudyCase
+from somo_cli.analysis.text_table import table_lines
 from somo_cli.scene.model import Quantity
 
-_SHOWN: tuple[tuple[str, int], ...] = (
-    ("integrator", 10), ("step [s]", 9), ("tip max [m]", 11), ("of length", 9),
-    ("final [m]", 9), ("rms [m]", 9), ("angles [rad]", 12), ("energy", 9), ("order", 5),
-    ("time [ms]", 9), ("steps/s", 8), ("x real time", 11),
+_HEADER = (
+    "integrator", "step [s]", "tip max [m]", "of length", "final [m]", "rms [m]", "angles [rad]",
+    "energy", "order", "time [ms]", "steps/s", "x real time",
 )  # fmt: skip
 
 
 def table(study: Study) -> str:
-    """Return the table of the terminal; errors the reference cannot tell have a < before them."""
-    has_segment_counts = any(
-        discretization.segments is not None for discretization in study.discretizations
-    )
-    first = "segments" if has_segment_counts else "joints"
-    shown = ((first, 8), *_SHOWN)
-    lines = ["  ".join(f"{name:>{width}}" for name, width in shown)]
-    for discretization in study.discretizations:
-        for case in study.cases:
-            if case.segments == discretization.segments:
-                cells = _cells(study, discretization, case)
-                padded = (
-                    f"{cell:>{width}}" for cell, (_, width) in zip(cells, shown, strict=False)
-                )
-                lines.append("  ".join(padded).rstrip())
-    return "\n".join(lines)
+    """Return a row for each case; an error with a < is smaller than that of the reference."""
+    has_segment_counts = any(one.segments is not None for one in study.discretizations)
+    rows: list[Sequence[str]] = [("segments" if has_segment_counts else "joints", *_HEADER)]
+    rows += [
+        _cells(discretization, case)
+        for discretization in study.discretizations
+        for case in study.cases
+        if case.segments == discretization.segments
+    ]
+    return "\n".join(table_lines(rows))
 
 
-def _cells(study: Study, discretization: Discretization, case: StudyCase) -> list[str]:
+def _cells(discretization: Discretization, case: StudyCase) -> list[str]:
     count = discretization.joints if case.segments is None else case.segments
     start = [str(count), case.integrator, f"{case.time_step:g}"]
     if case.status != "ok":
@@ -194,7 +188,6 @@ def _quantities(study: Study) -> list[Quantity]:
 
 def plain_data(study: Study, target: float) -> dict[str, object]:
     """Return the whole study as values for JSON."""
-    question = study.question
     best = cheapest(study, target)
     return {
         "choice": recommendation(study, target),
@@ -208,9 +201,9 @@ def plain_data(study: Study, target: float) -> dict[str, object]:
             }
             for one in balanced(study)
         ],
-        "duration_s": question.instants.duration,
-        "interval_s": float(question.instants.interval),
-        "repeats": question.repeats,
+        "duration_s": study.settings.instants.duration,
+        "interval_s": float(study.settings.instants.interval),
+        "repeats": study.settings.repeats,
         "model": study.model or None,
         "model_reference_error_m": _none_if_nan(study.model_error),
         "cuts": [

@@ -7,9 +7,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from somo_cli.analysis.text_table import table_lines
 from somo_cli.calibration.blocked_force import blocked_equilibrium
 from somo_cli.calibration.moment_arms import MomentArms
-from somo_cli.calibration.report import described, table, with_error
+from somo_cli.calibration.report import described, with_error
 from somo_cli.calibration.torque_line import TorqueLine, line
 from somo_cli.manipulator.definition import Definition
 
@@ -96,7 +97,7 @@ def lines(
         header.insert(0, "pressure [Pa]")
     if len(known) > 1:
         header.append("residual [N·m]")
-    yield from table(header, rows)
+    yield from table_lines([header, *rows])
     if through is None:
         return
     of = "" if rule == "exact" else ", by SoMo's rule"

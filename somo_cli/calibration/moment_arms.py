@@ -96,10 +96,6 @@ class MomentArms:
         compliances = self._compliances
         return float(force * (compliances @ self.arms**2) / (compliances @ self.arms))
 
-    def blocked_force(self, torque: float) -> float:
-        """Return the force [N], or moment, on the held point with this torque in every joint."""
-        return torque / self.torque(1.0)
-
     def somo_stiffness(self, tip_stiffness: float) -> float:
         """Return what SoMo's notes give: k = L² K / (3/(2N) - 1/(2N²)), N joints of the axis.
 

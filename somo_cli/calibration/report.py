@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
+from somo_cli.analysis.text_table import table_lines
 from somo_cli.calibration.beam_comparison import BeamComparison
 from somo_cli.calibration.moment_arms import MomentArms
 
@@ -30,20 +31,6 @@ def described(moment_arms: MomentArms) -> str:
     )
 
 
-def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    """Return lines with every column as wide as it must be: the first to the left, others right."""
-    widths = [max(len(row[place]) for row in [header, *rows]) for place in range(len(header))]
-    return [
-        "  ".join(
-            [
-                row[0].ljust(widths[0]),
-                *(c.rjust(w) for c, w in zip(row[1:], widths[1:], strict=True)),
-            ]
-        ).rstrip()
-        for row in [header, *rows]
-    ]
-
-
 def stiffness_lines(moment_arms: MomentArms, wanted: float, own: float | None) -> Iterator[str]:
     """Yield the joint stiffness by each rule, and the tip stiffness that it makes.
 
@@ -60,7 +47,8 @@ def stiffness_lines(moment_arms: MomentArms, wanted: float, own: float | None) -
         tip = moment_arms.tip_stiffness(stiffness)
         off = round(100 * (tip / wanted - 1), 9)
         rows.append([name, f"{stiffness:.6g}", f"{tip:.6g}", f"{off:+.4g} %"])
-    yield from table(["rule", "spring_stiffness [N·m/rad]", f"tip [{unit}]", "off by"], rows)
+    header = ["rule", "spring_stiffness [N·m/rad]", f"tip [{unit}]", "off by"]
+    yield from table_lines([header, *rows])
     if moment_arms.count > 1 and moment_arms.profile.min() < moment_arms.profile.max():
         yield "spring_stiffness is that of the first joint; the others keep their ratio to it"
 
@@ -89,8 +77,8 @@ def comparison_lines(
         if is_bending:
             somo = moment_arms.tip_stiffness(moment_arms.somo_stiffness(wanted)) / wanted - 1
             row.append(f"{100 * somo:+.1f} %" if one.placement == "uniform" else "")
-        rows.append(row + (["<- this one"] if one is own else [""]))
-    yield from table([*header, ""], rows)
+        rows.append(row + (["<- this one"] if one is own else []))
+    yield from table_lines([header, *rows])
 
 
 def _percent(value: float) -> str:

@@ -1,18 +1,11 @@
 """somo calibrate: the options that its commands share."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import typer
 
-from somo_cli import files
 from somo_cli.cli.application import EXIT_CODES, app, require
-
-if TYPE_CHECKING:
-    from somo_cli.document.table import Table
-
-MAX_TABLE_BYTES = 50_000_000
-"""The most that a recording may hold [bytes]."""
 
 calibrate = typer.Typer(
     help="From what a lab measures to joint stiffness, torque and damping.",
@@ -91,13 +84,6 @@ PatchOption = Annotated[
 JsonOption = Annotated[
     bool, typer.Option("--json", help="Print the result as JSON on standard output.")
 ]
-
-
-def read_table_file(path: str) -> "Table":
-    """Return a CSV of numbers. Raises OSError and InvalidFile."""
-    from somo_cli.document.table import read_table
-
-    return read_table(files.read_text(path, MAX_TABLE_BYTES), path)
 
 
 def parse_joint_counts(option: str, text: str) -> Sequence[int]:

@@ -16,9 +16,9 @@ from somo_cli.cli.calibrate import (
     PatchOption,
     WriteOption,
     calibrate,
-    read_table_file,
 )
 from somo_cli.cli.calibrate_result import require_targets, write_result
+from somo_cli.cli.tables import read_table_file
 from somo_cli.problems import InvalidFile, Problem
 
 if TYPE_CHECKING:
@@ -195,13 +195,14 @@ def _print(
     actuator: int,
     axis: int,
 ) -> None:
-    from somo_cli.calibration.report import table, with_error
+    from somo_cli.analysis.text_table import table_lines
+    from somo_cli.calibration.report import with_error
 
     rows = [["model as it is", f"{mode.frequency:.6g} rad/s", f"{mode.ratio:.4g}"]]
     if swing is not None:
         frequency = with_error(swing.frequency, swing.frequency_error, "rad/s")
         rows.append(["measured", frequency, with_error(swing.ratio, swing.ratio_error, "").strip()])
-    for line in table(["lowest mode of the axis", "frequency", "damping ratio"], rows):
+    for line in table_lines([["lowest mode of the axis", "frequency", "damping ratio"], *rows]):
         typer.echo(line)
     if swing is not None:
         typer.echo(

@@ -15,8 +15,9 @@ from somo_cli.cli.application import (
     report_errors,
     require,
 )
-from somo_cli.cli.calibrate import JsonOption, PatchOption, WriteOption, calibrate, read_table_file
+from somo_cli.cli.calibrate import JsonOption, PatchOption, WriteOption, calibrate
 from somo_cli.cli.calibrate_result import require_targets, write_result
+from somo_cli.cli.tables import read_table_file
 
 if TYPE_CHECKING:
     from somo_cli.calibration.fit import FitResult
@@ -182,8 +183,8 @@ def _is_for_the_scene(document: "Document", parameter: "Parameter") -> bool:
 
 
 def _table(found: "FitResult", measured: "Measurement") -> list[str]:
+    from somo_cli.analysis.text_table import table_lines
     from somo_cli.calibration.parameters import UNITS
-    from somo_cli.calibration.report import table
 
     rows = []
     for number, one in enumerate(found.parameters):
@@ -198,16 +199,18 @@ def _table(found: "FitResult", measured: "Measurement") -> list[str]:
                 UNITS[one.what],
             ]
         )
-    lines = table(["parameter", "guess", "fitted", "± (95 %)", "", "unit"], rows)
+    lines = table_lines([["parameter", "guess", "fitted", "± (95 %)", "", "unit"], *rows])
     before, after = found.first_residual_rms, found.residual_rms
     lines += [
         "",
-        *table(
-            ["left over, root mean square", "before", "after"],
+        *table_lines(
             [
-                [name, f"{one:.3g}", f"{other:.3g}"]
-                for name, one, other in zip(measured.names, before, after, strict=True)
-            ],
+                ["residual, root mean square", "guess", "fitted"],
+                *(
+                    [name, f"{one:.3g}", f"{other:.3g}"]
+                    for name, one, other in zip(measured.names, before, after, strict=True)
+                ),
+            ]
         ),
     ]
     lines.append(f"{len(measured.times)} rows, {found.runs} runs of the scene")

@@ -24,7 +24,6 @@ from somo_cli.cli.calibrate import (
     WriteOption,
     calibrate,
     parse_rule,
-    read_table_file,
 )
 from somo_cli.cli.calibrate_joints import (
     JointOptions,
@@ -33,6 +32,7 @@ from somo_cli.cli.calibrate_joints import (
     joints_to_calibrate,
 )
 from somo_cli.cli.calibrate_result import write_result
+from somo_cli.cli.tables import read_table_file
 
 if TYPE_CHECKING:
     from somo_cli.calibration.blocked_force_points import BlockedForcePoint

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from somo_cli import files, terminal
+from somo_cli import terminal
 from somo_cli.cli.application import (
     EXIT_CODES,
     OutsideOption,
@@ -16,6 +16,7 @@ from somo_cli.cli.application import (
     report_errors,
     require,
 )
+from somo_cli.cli.tables import read_table_file
 from somo_cli.problems import (
     InvalidFile,
     Problem,
@@ -179,8 +180,7 @@ def _recorded_poses(
 
     if trajectory is None:
         return {}
-    with files.open_lines(trajectory) as lines:
-        return visited_poses(lines, trajectory, plan)
+    return visited_poses(read_table_file(trajectory), plan)
 
 
 def _print_findings(

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from somo_cli import files, terminal
 from somo_cli.cli.run_outputs import beside
+from somo_cli.cli.tables import MAX_TABLE_BYTES, read_table_file
 from somo_cli.problems import InvalidFile, Problem, Span
 
 if TYPE_CHECKING:
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from somo_cli.scene.model import Scene
     from somo_cli.simulation.run import RunSummary
 
-MAX_RECORDING_BYTES = 500_000_000  # bytes
 _BETWEEN = 8  # rows recorded from picture to picture, where these do not fall on steps
 
 
@@ -83,10 +83,10 @@ def recorded(
     The scene is the one that the `.meta.json` beside it names, with what overrode it, or the one
     given in its place.
     """
-    from somo_cli.document.table import read_table, require_columns
+    from somo_cli.document.table import require_columns
     from somo_cli.picture.recorded_motion import RecordedMotion
 
-    table = read_table(files.read_text(path, MAX_RECORDING_BYTES), path)
+    table = read_table_file(path)
     require_columns(table, increasing="time_s")
     about = _about(path, scene is None)
     overrides = [*about.get("overrides", ()), *sets]
@@ -118,7 +118,7 @@ def _about(path: str, is_needed: bool) -> Mapping[str, Any]:
     name = beside(path, "meta.json")
     hint = "record it again, or name the scene with --scene"
     try:
-        data: Any = json.loads(files.read_text(name, MAX_RECORDING_BYTES))
+        data: Any = json.loads(files.read_text(name, MAX_TABLE_BYTES))
     except FileNotFoundError as error:
         if not is_needed:
             return {}

@@ -25,7 +25,7 @@ from somo_cli.problems import ExtraMissing, InvalidFile, Problem
 
 if TYPE_CHECKING:
     from somo_cli.analysis.common_instants import Instants
-    from somo_cli.analysis.study import Study, StudySettings
+    from somo_cli.analysis.study_model import Study, StudySettings
     from somo_cli.document.parse import Document
     from somo_cli.scene.model import Integrator, Scene
 
@@ -89,7 +89,7 @@ def report(
     """
     from somo_cli import loading
     from somo_cli.analysis import closed_form_references, study_report
-    from somo_cli.analysis.study import StudySettings
+    from somo_cli.analysis.study_model import StudySettings
     from somo_cli.simulation.metadata import provenance
 
     require(0 < duration <= 1e6, "--duration", f"{duration} is not greater than 0 and at most 1e6")
@@ -99,7 +99,7 @@ def report(
     terminal.print_problems(warnings, document.texts)
     loading.refuse_overlaps(document, planned)
     steps = _steps(time_steps, planned.time_step)
-    question = StudySettings(
+    settings = StudySettings(
         steps,
         _integrators(integrators),
         _counts(segments),
@@ -108,7 +108,7 @@ def report(
     )
     with _reference_of(document):
         closed_form_references.check_applicable(planned)
-        study = _studied(planned, question)
+        study = _studied(planned, settings)
 
     folder = Path(output or f"{Path(scene).stem}_report")
     pictures = _pictures(study, Path(scene).stem)
@@ -130,11 +130,11 @@ def report(
 @contextmanager
 def _reference_of(document: "Document") -> Iterator[None]:
     """Blame the reference that a scene names for not being about that scene."""
-    from somo_cli.analysis import closed_form_references
+    from somo_cli.analysis.reference_scene import ReferenceMismatch
 
     try:
         yield
-    except closed_form_references.ReferenceMismatch as error:
+    except ReferenceMismatch as error:
         name = document.at(("reference",))
         message = f"this scene is not what the closed form '{name}' is about: {error}"
         hint = "leave reference out to measure against the scene at vanishing step"
@@ -191,15 +191,15 @@ def _instants(steps: Sequence[float], duration: float) -> "Instants":
         raise typer.BadParameter(f"{error}; {hint}", param_hint="'--time-steps'") from error
 
 
-def _studied(scene: "Scene", question: "StudySettings") -> "Study":
+def _studied(scene: "Scene", settings: "StudySettings") -> "Study":
     from somo_cli.analysis.study import study, total_steps
     from somo_cli.manipulator.resegmentation import NotUniform
     from somo_cli.simulation.engine.bullet.c_stdio import stdout_to_stderr
     from somo_cli.simulation.engine.bullet.world import BulletWorld
 
     try:
-        with stdout_to_stderr(), terminal.progress(total_steps(question), "measuring") as advance:
-            return study(scene, question, BulletWorld, time.perf_counter, advance)
+        with stdout_to_stderr(), terminal.progress(total_steps(settings), "measuring") as advance:
+            return study(scene, settings, BulletWorld, time.perf_counter, advance)
     except NotUniform as error:
         raise typer.BadParameter(str(error), param_hint="'--segments'") from error
 

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from somo_cli.analysis.text_table import table_lines
 from somo_cli.cli.run_outputs import Targets
 
 if TYPE_CHECKING:
@@ -57,14 +58,13 @@ def plain_estimate(estimate: "ErrorEstimate", names: Sequence[str]) -> dict[str,
 
 def estimate_table(estimate: "ErrorEstimate", names: Sequence[str]) -> list[str]:
     """Return the estimated error of every column as lines of text."""
-    width = max(map(len, names), default=0)
+    rows = [["", "final", "max", "rms"]]
+    for name, error in zip(names, estimate.errors, strict=True):
+        values = (error.final, error.maximum, error.rms)
+        rows.append([name, *(f"{value:.1e}" for value in values)])
     return [
         f"estimated error, by the same scene at half the step ({estimate.run_time:.3g} s more):",
-        f"  {'':{width}}  {'final':>8}  {'max':>8}  {'rms':>8}",
-        *(
-            f"  {name:{width}}  {error.final:8.1e}  {error.maximum:8.1e}  {error.rms:8.1e}"
-            for name, error in zip(names, estimate.errors, strict=True)
-        ),
+        *(f"  {line}" for line in table_lines(rows)),
     ]
 
 

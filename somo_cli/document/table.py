@@ -6,7 +6,8 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import dropwhile
+from itertools import compress, dropwhile
+from operator import not_
 
 from somo_cli.problems import LINE_BREAK, InvalidFile, Problem, Span, did_you_mean
 
@@ -15,6 +16,7 @@ MAX_PROBLEMS = 20
 
 _CELL = re.compile(r'[ \t]*(?:"(?P<quoted>(?:[^"]|"")*)"[ \t]*(?=,|$)|(?P<plain>[^,]*))')
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+_PLAIN_ROW = re.compile(r"[-+.,0-9eE \t]+")
 _NOT_FINITE = re.compile(r"[-+]?(?:inf|infinity|nan)", re.IGNORECASE)
 _OTHER_SEPARATOR = re.compile(r"\S\s*?([;\t])")
 _POINT = "are these decimal commas? write 0.5, not 0,5"
@@ -74,16 +76,20 @@ def read_table(text: str, source: str) -> Table:
         raise InvalidFile([Problem(Span(source, 1, 1), "the file is empty")], texts)
     (top, header), rows = lines[0], lines[1:]
     names = tuple(cell.value for cell in _cells(header))
+    numbers = [_plain_numbers(line) for _, line in rows]
     problems = _separator_problems(header, Span(source, top, 1))
     if not problems:
         problems = _name_problems(header, Span(source, top, 1))
         if not rows:
             message = "no row follows the header"
             problems.append(Problem(_line_span(header, Span(source, top, 1)), message))
-        problems.extend(_row_problems(rows, names, source, MAX_PROBLEMS - len(problems)))
+        is_sound = [len(values) == len(names) for values in numbers]
+        most = MAX_PROBLEMS - len(problems)
+        problems.extend(_row_problems(rows, is_sound, len(names), source, most))
     if problems:
         raise InvalidFile(problems[:MAX_PROBLEMS], texts)
-    numbers = [[float(value) for value in _values(line)] for _, line in rows]
+    for index, (_, line) in enumerate(rows):
+        numbers[index] = numbers[index] or [float(value) for value in _values(line)]
     columns = dict(zip(names, zip(*numbers, strict=True), strict=True))
     return Table(source, text, names, columns, tuple(number for number, _ in lines))
 
@@ -162,6 +168,17 @@ def _values(line: str) -> list[str]:
     return [value.strip() for value in line.split(",")]
 
 
+def _plain_numbers(line: str) -> list[float]:
+    # The numbers of a row without a fault, as nearly all are; empty where cells must be examined.
+    if not _PLAIN_ROW.fullmatch(line):
+        return []
+    try:
+        numbers = list(map(float, line.split(",")))
+    except ValueError:
+        return []
+    return numbers if math.isfinite(sum(numbers)) else []
+
+
 def _separator_problems(header: str, place: Span) -> list[Problem]:
     if "," in header:
         return []
@@ -194,12 +211,15 @@ def _name_problems(header: str, place: Span) -> list[Problem]:
 
 
 def _row_problems(
-    rows: Sequence[tuple[int, str]], names: Sequence[str], source: str, most: int
+    rows: Sequence[tuple[int, str]],
+    is_sound: Sequence[bool],
+    wanted: int,
+    source: str,
+    most: int,
 ) -> list[Problem]:
     problems: list[Problem] = []
-    wanted = len(names)
     hint = _POINT if all(len(_values(line)) > wanted for _, line in rows) else ""
-    for number, line in rows:
+    for number, line in compress(rows, map(not_, is_sound)):
         if len(problems) >= most:
             break
         place = Span(source, number, 1)

@@ -73,19 +73,6 @@ class Camera:
         rays: Array = right * x.astype(np.float32) + up * y.astype(np.float32)[:, None] + forward
         return rays.reshape(3, -1)
 
-    def project(self, points: Array) -> Array:
-        """Return points of the world, shape (..., 3), as right, up [-1 to 1] and distance [m]."""
-        own = (points - self.eye) @ self.axes.T
-        depth = own[..., 2]
-        return np.stack(
-            [
-                own[..., 0] / (depth * self.tangents[0]),
-                own[..., 1] / (depth * self.tangents[1]),
-                depth,
-            ],
-            axis=-1,
-        )
-
 
 def framing(points: Array, view: View, size: tuple[int, int]) -> Camera:
     """Return the nearest camera of a view that has all points, shape (n, 3), in its picture."""

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import singledispatch
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from somo_cli.manipulator.hull import Hull
 from somo_cli.manipulator.round_solids import Capsule, RoundedBox
-from somo_cli.manipulator.solids import AnySolid, Box, Cylinder, Sphere
+from somo_cli.manipulator.solids import Box, Cylinder, Sphere
 
 Array: TypeAlias = NDArray[Any]
 
@@ -34,28 +36,45 @@ class Facets:
         return Facets(self.vertices * factor, self.normals, self.triangles)
 
 
-def facets(solid: AnySolid) -> Facets:
+@singledispatch
+def facets(solid: object) -> Facets:
     """Return the facets of a solid."""
-    if isinstance(solid, Box):
-        x, y, z = solid.size
-        return _ball((x / 2, y / 2, z / 2), 0.0)
-    if isinstance(solid, RoundedBox):
-        return _ball(solid.core, solid.radius)
-    if isinstance(solid, Sphere):
-        return _revolved(_arc(solid.radius, 0.0, -_ROWS_TO_POLE, _ROWS_TO_POLE))
-    if isinstance(solid, Capsule):
-        half = solid.length / 2
-        ends = (
-            _arc(solid.radius, -half, -_ROWS_TO_POLE, 0),
-            _arc(solid.radius, half, 0, _ROWS_TO_POLE),
-        )
-        return _revolved(np.concatenate(ends))
-    if isinstance(solid, Cylinder):
-        return _of_cylinder(solid)
+    raise TypeError(f"{type(solid).__name__} is not a solid that can be drawn")
+
+
+@facets.register
+def _(solid: Box) -> Facets:
+    x, y, z = solid.size
+    return _ball((x / 2, y / 2, z / 2), 0.0)
+
+
+@facets.register
+def _(solid: RoundedBox) -> Facets:
+    return _ball(solid.core, solid.radius)
+
+
+@facets.register
+def _(solid: Sphere) -> Facets:
+    return _revolved(_arc(solid.radius, 0.0, -_ROWS_TO_POLE, _ROWS_TO_POLE))
+
+
+@facets.register
+def _(solid: Capsule) -> Facets:
+    half = solid.length / 2
+    ends = (
+        _arc(solid.radius, -half, -_ROWS_TO_POLE, 0),
+        _arc(solid.radius, half, 0, _ROWS_TO_POLE),
+    )
+    return _revolved(np.concatenate(ends))
+
+
+@facets.register
+def _(solid: Hull) -> Facets:
     return _flat(np.array(solid.vertices), np.array(solid.faces))
 
 
-def _of_cylinder(solid: Cylinder) -> Facets:
+@facets.register
+def _(solid: Cylinder) -> Facets:
     half, radius = solid.length / 2, solid.radius
     # an outline from below to above: distance from the axis, height, and the normal in both
     return _revolved(

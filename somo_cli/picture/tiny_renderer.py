@@ -1,6 +1,6 @@
 """The software renderer of PyBullet: which part is seen in each pixel, how far away and how lit.
 
-An engine of its own, without physics: it holds surfaces and is told where they are.
+It has an engine of its own, without physics, which holds surfaces at given poses.
 """
 
 from __future__ import annotations
@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import TracebackType
-from typing import Any
 
 import numpy as np
 
@@ -21,17 +20,17 @@ from somo_cli.simulation.engine.bullet.c_stdio import captured_output
 from somo_cli.simulation.engine.bullet.client import BulletClient
 
 AMBIENT, DIFFUSE, SPECULAR = 0.62, 0.42, 0.06
-"""How much of its colour a surface shows in the shadow, how much more in full light, and gloss."""
+"""Shares of a surface's colour: in shadow, added in full light, and added as gloss."""
 
-_SWELL = 3e-4  # of the size of a part
+_SWELL = 3e-4  # enlargement of a part, relative to its size
 
 
 @dataclass(frozen=True, slots=True)
 class Raster:
-    """What a camera sees, arrays of shape (height, width, ...), rows from above.
+    """What a camera sees, arrays of shape (height, width, ...), the top row first.
 
-    Red, green and blue [0 to 255] without shadows, the distance along the axis of the camera [m],
-    infinite where there is nothing, and the number of the part, -1 for none.
+    `colours` are red, green and blue [0 to 255] without shadows; `distances` are along the axis of
+    the camera [m], infinite where nothing is seen; `parts` are numbers of parts, -1 for none.
     """
 
     colours: Array
@@ -40,20 +39,21 @@ class Raster:
 
 
 class TinyRenderer:
-    """Parts of a scene in the renderer; lengths are handed to it in so many metres (`unit`)."""
+    """The parts of a scene in the renderer; `unit` is the renderer's unit of length [m]."""
 
     def __init__(self, parts: Sequence[Part], unit: float) -> None:
         self._parts = parts
         self._unit = unit
-        self._engine: Any = None  # a BulletClient, once entered
+        self._client: BulletClient | None = None
 
     def __enter__(self) -> TinyRenderer:
-        """Load every part."""
+        """Load every part. Raises EngineMissing."""
         with captured_output():
-            self._engine = BulletClient("the renderer is that of PyBullet, which is")
+            self._client = BulletClient("the renderer is that of PyBullet, which is")
             try:
                 for number, part in enumerate(self._parts):
-                    assert self._load(part, number) == number  # what the renderer calls it
+                    loaded = self._load(part, number)
+                    assert loaded == number, "the raster identifies parts by these numbers"
             except BaseException:
                 self.close()
                 raise
@@ -68,26 +68,29 @@ class TinyRenderer:
         self.close()
 
     def close(self) -> None:
-        """Leave the engine."""
-        if self._engine is not None:
-            self._engine.close()
+        """Close the connection to the renderer."""
+        if self._client is not None:
+            self._client.close()
+            self._client = None
 
     def place(self, poses: Sequence[Pose]) -> None:
-        """Put every part where it is in the world [m]."""
+        """Move every part to its pose in the world [m]."""
+        client = self._opened()
         for number, pose in enumerate(poses):
-            self._engine.resetBasePositionAndOrientation(
+            client.resetBasePositionAndOrientation(
                 number,
                 [value / self._unit for value in pose.position],
                 geometry.quaternion_from_rotation(pose.rotation),
             )
 
     def render(self, camera: Camera, size: tuple[int, int], light: Array) -> Raster:
-        """Return what a camera sees in a light that comes from a direction, a unit vector."""
+        """Return what a camera sees; `light` is the unit vector towards the light."""
+        client = self._opened()
         width, height = size
         near, far = camera.near / self._unit, camera.far / self._unit
         # seen in 3.2.7: its own shadows have a bias of a fixed length and hold for one distance of
         # the light only, and a projection without perspective shows nothing
-        told = self._engine.getCameraImage(
+        image = client.getCameraImage(
             width,
             height,
             _view(camera, self._unit),
@@ -98,32 +101,36 @@ class TinyRenderer:
             lightDiffuseCoeff=DIFFUSE,
             lightSpecularCoeff=SPECULAR,
             shadow=0,
-            renderer=self._engine.ER_TINY_RENDERER,
+            renderer=client.ER_TINY_RENDERER,
         )
-        # where numpy was not at hand when the engine was built, these are tuples
-        colours = np.asarray(told[2], np.uint8).reshape(height, width, 4)[..., :3]
-        depths = np.asarray(told[3], np.float32).reshape(height, width)
-        parts = np.asarray(told[4], np.int32).reshape(height, width)
+        # PyBullet built without numpy returns tuples
+        colours = np.asarray(image[2], np.uint8).reshape(height, width, 4)[..., :3]
+        depths = np.asarray(image[3], np.float32).reshape(height, width)
+        parts = np.asarray(image[4], np.int32).reshape(height, width)
         distances = near * far / (far - (far - near) * depths) * np.float32(self._unit)
         return Raster(colours, np.where(parts < 0, np.float32(np.inf), distances), parts)
 
     def _load(self, part: Part, number: int) -> int:
-        engine = self._engine
-        # where faces of two links lie in one plane, one of them must be in front
+        client = self._opened()
+        # of coplanar faces of two links one must be in front, or pixels would alternate
         factor = (1 + _SWELL * (number % 3 + (3 if part.is_box else 0))) / self._unit
-        shape = engine.createVisualShape(
-            engine.GEOM_MESH,
+        shape = client.createVisualShape(
+            client.GEOM_MESH,
             vertices=(part.facets.vertices * factor).tolist(),
             normals=part.facets.normals.tolist(),
             indices=part.facets.triangles.ravel().tolist(),
             rgbaColor=[*part.colour, 1.0],
         )
-        index: int = engine.createMultiBody(0, -1, shape)
+        index: int = client.createMultiBody(0, -1, shape)
         return index
+
+    def _opened(self) -> BulletClient:
+        assert self._client is not None, "a renderer is used inside its with block"
+        return self._client
 
 
 def _view(camera: Camera, unit: float) -> list[float]:
-    """Return the world as the camera has it: OpenGL's matrix, column after column."""
+    """Return OpenGL's view matrix, from world to camera axes, column by column."""
     right, up, forward = camera.axes
     axes = np.stack([right, up, -forward])
     whole = np.eye(4)
@@ -134,7 +141,7 @@ def _view(camera: Camera, unit: float) -> list[float]:
 
 
 def _projection(tangents: tuple[float, float], near: float, far: float) -> list[float]:
-    """Return OpenGL's perspective, column after column."""
+    """Return OpenGL's perspective projection, column by column."""
     across, upward = tangents
     depth, shift = -(far + near) / (far - near), -2 * far * near / (far - near)
     return [1 / across, 0, 0, 0, 0, 1 / upward, 0, 0, 0, 0, depth, -1, 0, 0, shift, 0]

@@ -6,7 +6,7 @@ import io
 from typing import Any
 
 from somo_cli.analysis.choice import RatedCase, rated_cases
-from somo_cli.analysis.study import Study, StudyCase
+from somo_cli.analysis.study_model import Study, StudyCase
 from somo_cli.problems import ExtraMissing
 
 MARKERS = "osD^vP"
@@ -52,7 +52,7 @@ def _figure(study: Study, title: str) -> Any:
                 color="0.35",
             )
     axes.margins(x=0.15)  # room for the labels
-    duration = study.question.instants.duration
+    duration = study.settings.instants.duration
     low, high = axes.get_xlim()
     if low < duration < high:
         axes.axvline(duration, color="0.75", linewidth=1, label="real time")

@@ -8,6 +8,7 @@ from somo_cli import loading
 from somo_cli.analysis import stability_report
 from somo_cli.analysis.numerics import NumericsReport, assess
 from somo_cli.analysis.trajectory import MAX_POSES, visited_poses
+from somo_cli.document.table import Table, read_table
 from somo_cli.problems import InvalidFile
 from somo_cli.simulation.plan.model import make_plan
 from tests.loading import DEFINITIONS, scene_from_file
@@ -179,20 +180,26 @@ def header() -> str:
     return ",".join(["time_s", *(f"finger.{joint.name}.angle_rad" for joint in joints)])
 
 
+def recorded(*lines: str) -> Table:
+    return read_table("\n".join(lines), "run.csv")
+
+
 def test_poses_are_read_from_a_recorded_run() -> None:
     plan = make_plan(scene_from_file("scene.yaml"))
-    rows = [",".join([str(number), *["0.25"] * 10]) for number in range(3 * MAX_POSES)]
-    found = visited_poses([header(), *rows], "run.csv", plan)["finger"]
-    assert MAX_POSES / 2 <= len(found) <= MAX_POSES
-    assert found[0][1].tolist() == [0.25] * 10
+    rows = [",".join([str(number)] * 11) for number in range(3 * MAX_POSES)]
+    found = visited_poses(recorded(header(), *rows), plan)["finger"]
+    assert len(found) == MAX_POSES
+    assert found[0][1].tolist() == [0.0] * 10
+    assert found[-1][1].tolist() == [float(3 * MAX_POSES - 1)] * 10
     assert found[0][0].position == (0.0, 0.0, 0.0)
 
 
 def test_the_base_is_where_the_run_had_it() -> None:
     plan = make_plan(scene_from_file("scene.yaml"))
     base = [f"finger.base_pose.{name}" for name in ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")]
-    lines = [",".join([header(), *base]), ",".join(["0", *["0"] * 10, "1", "2", "3", "1,0,0,0"])]
-    ((pose, _),) = visited_poses(lines, "run.csv", plan)["finger"]
+    row = ",".join(["0"] * 11 + ["1", "2", "3", "1,0,0,0"])
+    table = recorded(",".join([header(), *base]), row)
+    ((pose, _),) = visited_poses(table, plan)["finger"]
     assert pose.position == (20.0, 40.0, 60.0)  # the scene's world scale is 20
     assert pose.rotation[1][1] == pytest.approx(-1)
 
@@ -201,18 +208,17 @@ def test_the_base_is_where_the_run_had_it() -> None:
     ("lines", "message"),
     [
         (["time_s,x", "0,1"], "run.csv:1:1: error: there is no column 'finger.actuator_0_joint_01"),
-        ([], "run.csv:1:1: error: there is no column"),
-        ([header()], "run.csv:1:1: error: there is no row"),
-        ([header(), "0" + ",0" * 9], "run.csv:2:1: error: 10 values for 11 columns"),
+        ([], "run.csv:1:1: error: the file is empty"),
+        ([header()], "run.csv:1:1: error: no row follows the header"),
+        ([header(), "0" + ",0" * 9], "run.csv:2:1: error: 10 cells, but the header names 11 col"),
         (
             [header(), "0" + ",0" * 10, "0,x" + ",0" * 9, "0,nan" + ",0" * 9],
-            "run.csv:3:1: error: could not convert string to float: 'x'\n"
-            "run.csv:4:1: error: a value is not finite",
+            "run.csv:3:3: error: not a number: 'x'\nrun.csv:4:3: error: not a finite number: nan",
         ),
     ],
 )
 def test_a_file_that_is_no_such_run(lines: list[str], message: str) -> None:
     plan = make_plan(scene_from_file("scene.yaml"))
     with pytest.raises(InvalidFile) as caught:
-        visited_poses(lines, "run.csv", plan)
+        visited_poses(recorded(*lines), plan)
     assert str(caught.value).startswith(message)

@@ -15,7 +15,9 @@ import pytest
 from somo_cli.analysis import closed_form_references, study_report
 from somo_cli.analysis.choice import balanced, cheapest, rated_cases
 from somo_cli.analysis.common_instants import common_instants
-from somo_cli.analysis.study import Study, StudySettings, study, total_steps
+from somo_cli.analysis.reference_scene import ReferenceMismatch
+from somo_cli.analysis.study import study, total_steps
+from somo_cli.analysis.study_model import Study, StudySettings
 from somo_cli.manipulator.resegmentation import NotUniform
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.engine.bullet.world import BulletWorld
@@ -45,8 +47,8 @@ def answer(
     integrators: tuple[str, ...] = ("implicit",),
     segments: tuple[int | None, ...] = (None,),
 ) -> Study:
-    question = StudySettings(steps, integrators, segments, common_instants(steps, duration), 1)  # type: ignore[arg-type]
-    return study(scene, question, BulletWorld, ticking(), lambda done: None)  # type: ignore[arg-type]
+    settings = StudySettings(steps, integrators, segments, common_instants(steps, duration), 1)  # type: ignore[arg-type]
+    return study(scene, settings, BulletWorld, ticking(), lambda done: None)  # type: ignore[arg-type]
 
 
 @pytest.fixture(scope="module")
@@ -131,10 +133,10 @@ def test_the_json_is_complete_and_has_no_nan(finger: Study) -> None:
 def test_progress_ends_at_the_work_that_was_announced() -> None:
     done: list[int] = []
     steps = (2e-3, 1e-3)
-    question = StudySettings(steps, ("implicit",), (None,), common_instants(steps, 0.1), 2)
-    study(scene_from_file("scene.yaml"), question, BulletWorld, lambda: 0.0, done.append)
+    settings = StudySettings(steps, ("implicit",), (None,), common_instants(steps, 0.1), 2)
+    study(scene_from_file("scene.yaml"), settings, BulletWorld, lambda: 0.0, done.append)
     assert done == sorted(done)
-    assert done[-1] == total_steps(question)
+    assert done[-1] == total_steps(settings)
 
 
 def cantilever(*sets: str) -> Scene:
@@ -238,5 +240,5 @@ def test_an_oscillator_is_held_against_its_closed_form() -> None:
     ],
 )
 def test_a_scene_that_is_not_the_case(reference: str, sets: tuple[str, ...], message: str) -> None:
-    with pytest.raises(closed_form_references.ReferenceMismatch, match=message):
+    with pytest.raises(ReferenceMismatch, match=message):
         closed_form_references.check_applicable(cantilever(*sets, f"reference={reference}"))

@@ -107,7 +107,7 @@ def test_many_joints_are_a_beam() -> None:
     known = of_uniform_actuator(0.2, 1000, 1, 0, XYZ["x"], "uniform")
     assert known.stiffness(WANTED) == pytest.approx(1000 * known.rigidity(WANTED) / 0.2, rel=1e-6)
     assert known.rigidity(WANTED) == pytest.approx(WANTED * 0.2**3 / 3)
-    assert known.blocked_force(1.0) == pytest.approx(1.5 / 0.2, rel=1e-5)
+    assert known.torque(1.5 / 0.2) == pytest.approx(1.0, rel=1e-5)
     assert known.tip_stiffness_of_beam(known.rigidity(WANTED)) == pytest.approx(WANTED)
 
 
@@ -115,7 +115,7 @@ def test_many_joints_are_a_beam() -> None:
 def test_at_gauss_points_few_joints_are_a_beam(count: int) -> None:
     known = of_uniform_actuator(0.2, count, 1, 0, XYZ["x"], "gauss")
     assert known.stiffness(WANTED) == pytest.approx(count * known.rigidity(WANTED) / 0.2, rel=1e-12)
-    assert known.blocked_force(1.0) == pytest.approx(1.5 / 0.2, rel=1e-12)
+    assert known.torque(1.5 / 0.2) == pytest.approx(1.0, rel=1e-12)
 
 
 def test_a_twisted_chain_has_equal_shares() -> None:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from somo_cli.picture.camera import HALF_ANGLE, MARGIN, VIEWS, View, framing, radius_of
+from tests.picture.projection import project
 
 SIZES = [(960, 720), (300, 300), (200, 500)]
 
@@ -52,7 +53,7 @@ def test_everything_is_in_the_picture_and_the_picture_is_full(
     view: View, size: tuple[int, int], seed: int
 ) -> None:
     points = cloud(seed, 10.0 ** (seed - 2))
-    seen = framing(points, view, size).project(points)
+    seen = project(framing(points, view, size), points)
     across = np.abs(seen[:, :2]).max(axis=0)
     assert across.max() == pytest.approx(1 / MARGIN)
     # and in the middle of the direction that decides: two points are at opposite edges
@@ -64,25 +65,27 @@ def test_everything_is_in_the_picture_and_the_picture_is_full(
 def test_near_and_far_have_everything_between_them() -> None:
     points = cloud(0)
     camera = framing(points, VIEWS["oblique"], (960, 720))
-    depths = camera.project(points)[:, 2]
+    depths = project(camera, points)[:, 2]
     assert 0 < camera.near < depths.min() < depths.max() < camera.far
 
 
 def test_a_target_is_in_the_middle_and_all_is_in_sight() -> None:
     points, target = cloud(1), (2.0, 0.0, 2.5)
     camera = framing(points, dataclasses.replace(VIEWS["oblique"], target=target), (960, 720))
-    assert camera.project(np.array(target))[:2] == pytest.approx(0, abs=1e-12)
-    assert np.abs(camera.project(points)[:, :2]).max() == pytest.approx(1 / MARGIN)
+    assert project(camera, np.array(target))[:2] == pytest.approx(0, abs=1e-12)
+    assert np.abs(project(camera, points)[:, :2]).max() == pytest.approx(1 / MARGIN)
 
 
 def test_a_distance_is_that_to_the_target() -> None:
     view = View(0.3, 0.4, distance=7.0, target=(1.0, 2.0, 3.0))
-    assert framing(cloud(2), view, (960, 720)).project(np.array(view.target))[2] == pytest.approx(7)
+    assert project(framing(cloud(2), view, (960, 720)), np.array(view.target))[2] == pytest.approx(
+        7
+    )
 
 
 def test_a_distance_without_a_target_is_that_to_the_middle() -> None:
     points = cloud(3)
-    depths = framing(points, View(0.3, 0.4, distance=50.0), (960, 720)).project(points)[:, 2]
+    depths = project(framing(points, View(0.3, 0.4, distance=50.0), (960, 720)), points)[:, 2]
     assert (depths.min() + depths.max()) / 2 == pytest.approx(50)
 
 
@@ -97,7 +100,7 @@ def test_rays_lead_to_what_is_seen_in_their_pixels() -> None:
     size = (40, 30)
     camera = framing(cloud(5), VIEWS["oblique"], size)
     rays = camera.rays(size).reshape(3, 30, 40)
-    seen = camera.project(camera.eye + 2.5 * rays[:, 7, 11])
+    seen = project(camera, camera.eye + 2.5 * rays[:, 7, 11])
     assert seen == pytest.approx((2 * 11 / 40 - 1, 2 * (29 - 7) / 30 - 1, 2.5), abs=1e-5)
 
 

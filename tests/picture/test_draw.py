@@ -18,6 +18,7 @@ from somo_cli.picture.tiny_renderer import TinyRenderer
 from somo_cli.scene import columns
 from somo_cli.simulation.plan.model import make_plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
+from tests.picture.projection import project
 
 pytest.importorskip("pybullet")
 
@@ -131,7 +132,7 @@ def _still(chain: object) -> dict[str, tuple[float, ...]]:
 
 
 def _pixel(camera: Camera, point: Array, size: int) -> tuple[int, int]:
-    across, upward, _ = camera.project(point)
+    across, upward, _ = project(camera, point)
     return round((across + 1) * size / 2), round(size - 1 - (upward + 1) * size / 2)
 
 

@@ -13,7 +13,7 @@ import pytest
 from somo_cli.analysis.common_instants import common_instants
 from somo_cli.analysis.errors import ErrorSummary
 from somo_cli.analysis.reference import Reference
-from somo_cli.analysis.study import Discretization, Study, StudyCase, StudySettings
+from somo_cli.analysis.study_model import Discretization, Study, StudyCase, StudySettings
 from somo_cli.picture.work_precision import draw
 from tests.loading import scene_from_file
 
@@ -21,7 +21,7 @@ from tests.loading import scene_from_file
 def study(segments: tuple[int | None, ...] = (None,), model: ErrorSummary | None = None) -> Study:
     """Return a made-up study in which halving the step quarters the error and doubles the time."""
     steps = (4e-3, 2e-3, 1e-3)
-    question = StudySettings(
+    settings = StudySettings(
         steps, ("implicit", "explicit"), segments, common_instants(steps, 1.0), 1
     )
     known = {"tip_position": 1e-9, "joint_angles": 1e-9, "energy": 1e-9}
@@ -39,7 +39,7 @@ def study(segments: tuple[int | None, ...] = (None,), model: ErrorSummary | None
         cases.append(StudyCase(count, "explicit", 4e-3, 250, "diverged", "why"))
     error = math.nan if model is None else 1e-6
     name = "" if model is None else "elastica"
-    return Study(question, scene_from_file("scene.yaml"), cuts, tuple(cases), name, error)
+    return Study(settings, scene_from_file("scene.yaml"), cuts, tuple(cases), name, error)
 
 
 @pytest.mark.moderate

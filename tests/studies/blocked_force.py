@@ -86,7 +86,7 @@ def finger(*sets: str) -> Finger:
     body = ChainDynamics(chain)
     last, tip = body.tips[-1]
     drives = np.array([float(joint.channel == 0) for joint in chain.joints])
-    per_torque = moment_arms.blocked_force(1.0)
+    per_torque = 1 / moment_arms.torque(1.0)
     return Finger(body, drives, last, tip + BALL, per_pressure, per_torque)
 
 
