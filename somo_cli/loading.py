@@ -165,7 +165,7 @@ def overlaps(document: Document, found: Scene | None = None) -> tuple[Problem, .
     # the engine is the judge, since it decides what pushes what; most scenes need not ask it
     from somo_cli.scene.checks import overlap as overlap_checks
     from somo_cli.simulation.engine.bullet.world import BulletWorld
-    from somo_cli.simulation.plan.model import make_plan
+    from somo_cli.simulation.plan.build import make_plan
 
     plan = make_plan(found)
     try:
@@ -181,7 +181,7 @@ def _with_chosen_step(found: Scene, document: Document) -> Scene:
     # numpy and more, which few scenes need before they run
     from somo_cli.analysis.modes import SingularInertia
     from somo_cli.analysis.stability import recommended_step
-    from somo_cli.simulation.plan.model import make_plan
+    from somo_cli.simulation.plan.build import make_plan
 
     try:
         step, error = recommended_step(make_plan(found))

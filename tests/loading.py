@@ -13,7 +13,8 @@ from somo_cli.loading import load_text, scene_of
 from somo_cli.scene.model import Scene
 from somo_cli.simulation import run
 from somo_cli.simulation.engine.bullet.world import BulletWorld
-from somo_cli.simulation.plan.model import Plan, make_plan
+from somo_cli.simulation.plan.build import make_plan
+from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.run import RunSummary
 
 DEFINITIONS = Path(__file__).parents[1] / "definitions"

@@ -15,7 +15,7 @@ from somo_cli.calibration.moment_arms import of_definition
 from somo_cli.problems import SimulationDiverged
 from somo_cli.scene.columns import header
 from somo_cli.simulation.engine.bullet import collision_filter
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.conftest import Somo
 from tests.contact import second_opinion
 from tests.contact.candidates import EXPLICIT, PLAIN, Candidate, filters

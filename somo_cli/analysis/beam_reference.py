@@ -14,7 +14,7 @@ from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.scene import columns
 from somo_cli.scene.model import ExternalLoad, Manipulator, Scene
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 
 if TYPE_CHECKING:
     from somo_cli.analysis import closed_forms

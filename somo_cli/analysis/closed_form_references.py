@@ -13,7 +13,7 @@ from somo_cli.analysis.reference_scene import TOLERANCE, ReferenceMismatch
 from somo_cli.scene import columns
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.units import unit_factors_of
 
 

@@ -14,7 +14,7 @@ from somo_cli.analysis.study_model import Study
 from somo_cli.arrays import Array
 from somo_cli.scene import columns
 from somo_cli.scene.model import Scene
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 
 
 def with_model_errors(study: Study, scenes: Sequence[Scene]) -> Study:

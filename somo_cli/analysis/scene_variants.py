@@ -8,7 +8,7 @@ from somo_cli.manipulator import geometry, resegmentation
 from somo_cli.manipulator.chain import Chain
 from somo_cli.scene.columns import body_column_groups
 from somo_cli.scene.model import ExternalLoad, Integrator, Manipulator, Quantity, Scene
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 
 ALWAYS_COMPARED: tuple[Quantity, ...] = ("tip_position", "joint_angles", "energy")
 """What a study compares whatever the scene records."""

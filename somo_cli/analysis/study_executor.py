@@ -17,7 +17,7 @@ from somo_cli.arrays import Array
 from somo_cli.problems import EngineRefused, SimulationDiverged
 from somo_cli.scene import columns
 from somo_cli.scene.model import Integrator, Scene
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 
 ProgressCallback = Callable[[int], None]
 """Receives the number of time steps done so far."""

@@ -23,7 +23,8 @@ from somo_cli.scene.model import Scene
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.metadata import metadata
 from somo_cli.simulation.monitoring.contact_events import ContactEvent
-from somo_cli.simulation.plan.model import Plan, make_plan
+from somo_cli.simulation.plan.build import make_plan
+from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.run import RunSummary, run
 
 

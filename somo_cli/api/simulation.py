@@ -24,7 +24,7 @@ from somo_cli.simulation.dynamics.forward_kinematics import (
 from somo_cli.simulation.engine import contacts
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.integrator.body_stepper import BodyStepper
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.units import unit_factors_of
 from somo_cli.simulation.session import Session
 

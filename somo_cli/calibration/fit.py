@@ -23,7 +23,7 @@ from somo_cli.calibration.measurement import Measurement, scene_recording
 from somo_cli.calibration.parameters import Parameter, with_factors
 from somo_cli.problems import SimulationDiverged
 from somo_cli.scene.model import Scene
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 
 STEP = 1e-3  # of the unknowns, for derivatives: far above the noise of a run, far below 1
 _MAX_UNKNOWN = 7.0  # of an unknown, a factor of a thousand

@@ -13,7 +13,7 @@ from somo_cli.document.table import Table, require_columns
 from somo_cli.problems import InvalidFile, Problem
 from somo_cli.scene import columns
 from somo_cli.scene.model import Quantity, Scene
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 
 TIME = "time_s"
 MEASURABLE: tuple[Quantity, ...] = (

@@ -142,7 +142,7 @@ def _scene(path: str) -> "tuple[Document, Scene]":
 
 def _mode(scene: "Scene", actuator: int, axis: int) -> "Mode":
     from somo_cli.calibration.damping import NoMode, lowest_mode
-    from somo_cli.simulation.plan.model import make_plan
+    from somo_cli.simulation.plan.build import make_plan
 
     axes = {(j.actuator, j.channel) for j in scene.manipulators[0].compiled.chain.joints}
     is_there = (actuator, axis) in axes

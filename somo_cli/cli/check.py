@@ -140,7 +140,7 @@ def _check_plan(path: str, access: "Access", is_strict: bool, as_json: bool) -> 
     document = loading.load(path, (), *access)
     scene, problems = _scene_of(document, as_json)
     from somo_cli.simulation import plan_report
-    from somo_cli.simulation.plan.model import make_plan
+    from somo_cli.simulation.plan.build import make_plan
 
     plan = make_plan(scene)
     found = in_reading_order([*problems, *loading.overlaps(document, scene)], document.texts)
@@ -160,7 +160,7 @@ def _check_numerics(
     scene, problems = _scene_of(document, as_json)
     from somo_cli.analysis import stability_report
     from somo_cli.analysis.numerics import assess
-    from somo_cli.simulation.plan.model import make_plan
+    from somo_cli.simulation.plan.build import make_plan
 
     plan = make_plan(scene)
     known = assess(plan, loading.as_scene(document), _recorded_poses(trajectory, plan))

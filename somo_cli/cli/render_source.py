@@ -55,7 +55,7 @@ def simulated(
     from somo_cli.scene import columns
     from somo_cli.simulation.engine.bullet.c_stdio import stdout_to_stderr
     from somo_cli.simulation.engine.bullet.world import BulletWorld
-    from somo_cli.simulation.plan.model import make_plan
+    from somo_cli.simulation.plan.build import make_plan
     from somo_cli.simulation.run import run
 
     loading.refuse_overlaps(document, scene)

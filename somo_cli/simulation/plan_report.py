@@ -13,7 +13,8 @@ from somo_cli.simulation.integrator.refresh_policy import (
     SLOW_REFRESH,
 )
 from somo_cli.simulation.monitoring.penetration import steps_between_samples
-from somo_cli.simulation.plan.model import Plan, needs_engine_limits
+from somo_cli.simulation.plan.build import needs_engine_limits
+from somo_cli.simulation.plan.model import Plan
 
 
 @dataclass(frozen=True, slots=True)

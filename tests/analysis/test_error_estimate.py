@@ -12,7 +12,7 @@ from somo_cli.analysis.error_estimate import ErrorEstimate, estimate
 from somo_cli.scene import columns
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.engine.bullet.world import BulletWorld
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.loading import in_turn, rows_of, scene_from_file, scene_from_text, simulated
 from tests.simulation.test_physics import error_of_hinge, finger, hinge, truth_of_finger
 

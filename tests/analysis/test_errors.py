@@ -10,7 +10,8 @@ import pytest
 from somo_cli.analysis.errors import align_quaternions, error_profiles, summarize_errors
 from somo_cli.analysis.reference import extrapolate
 from somo_cli.scene import columns
-from somo_cli.simulation.plan.model import Plan, make_plan
+from somo_cli.simulation.plan.build import make_plan
+from somo_cli.simulation.plan.model import Plan
 from tests.loading import scene_from_text
 from tests.manipulator.bodies import X, actuator, manipulator
 

@@ -9,7 +9,8 @@ import pytest
 from somo_cli.analysis.modal_excitation import Acceleration
 from somo_cli.analysis.stability import forecast_of
 from somo_cli.scene.signals import piecewise_signal
-from somo_cli.simulation.plan.model import Plan, make_plan
+from somo_cli.simulation.plan.build import make_plan
+from somo_cli.simulation.plan.model import Plan
 from tests.loading import scene_from_text
 
 

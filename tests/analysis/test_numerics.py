@@ -10,7 +10,7 @@ from somo_cli.analysis.numerics import NumericsReport, assess
 from somo_cli.analysis.trajectory import MAX_POSES, visited_poses
 from somo_cli.document.table import Table, read_table
 from somo_cli.problems import InvalidFile
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.loading import DEFINITIONS, scene_from_file
 
 CUT = "manipulators[0].definition.actuator_definitions[0]"

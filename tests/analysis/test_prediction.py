@@ -15,7 +15,7 @@ from somo_cli.analysis.prediction import ModalMotion, predict_motion
 from somo_cli.analysis.stability import forecast_of, recommended_step
 from somo_cli.scene.model import Integrator, Scene
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.simulation.test_physics import THROWN
 

@@ -14,7 +14,7 @@ from somo_cli.problems import SimulationDiverged
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.dynamics.modal import largest_explicit_step
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.simulation.test_physics import HINGE, INERTIA, JOINTS, THROWN
 

@@ -20,7 +20,7 @@ from somo_cli.problems import SimulationDiverged
 from somo_cli.scene.model import Scene
 from somo_cli.simulation import run
 from somo_cli.simulation.engine.bullet.world import BulletWorld
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.loading import scene_from_text
 from tests.simulation.mujoco_reference import model_of, trajectory
 

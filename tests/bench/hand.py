@@ -25,7 +25,8 @@ import numpy as np
 from somo_cli.scene import columns
 from somo_cli.simulation import run as stepping
 from somo_cli.simulation.engine.bullet.world import BulletWorld
-from somo_cli.simulation.plan.model import Plan, make_plan
+from somo_cli.simulation.plan.build import make_plan
+from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.recording.row_assembler import RowWriter
 from tests.bench.classic import leave_at_defaults
 from tests.loading import rows_of, scene_from_text

@@ -29,7 +29,8 @@ from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.integrator.body_stepper import BodyStepper
 from somo_cli.simulation.integrator.half_step_start import begin
 from somo_cli.simulation.integrator.implicit_law import SpringDamperLaw
-from somo_cli.simulation.plan.model import Plan, make_plan
+from somo_cli.simulation.plan.build import make_plan
+from somo_cli.simulation.plan.model import Plan
 from tests.bench import hand
 from tests.loading import scene_from_text
 

@@ -22,7 +22,8 @@ from somo_cli.arrays import Array
 from somo_cli.simulation import run as stepping
 from somo_cli.simulation.engine.bullet.body import BulletBody
 from somo_cli.simulation.engine.bullet.world import BulletWorld
-from somo_cli.simulation.plan.model import Plan, make_plan
+from somo_cli.simulation.plan.build import make_plan
+from somo_cli.simulation.plan.model import Plan
 from tests.bench.classic import leave_at_defaults
 from tests.loading import scene_from_file
 from tests.simulation.mujoco_reference import model_of

@@ -11,7 +11,8 @@ import pytest
 
 from somo_cli.calibration.damping import NoMode, lowest_mode
 from somo_cli.calibration.ring_down import ring_down
-from somo_cli.simulation.plan.model import Plan, make_plan
+from somo_cli.simulation.plan.build import make_plan
+from somo_cli.simulation.plan.model import Plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.manipulator.bodies import Data, X, Y, actuator, hinge, manipulator
 

@@ -12,7 +12,7 @@ from somo_cli.calibration.measurement import Measurement, measurement, scene_rec
 from somo_cli.document.table import read_table
 from somo_cli.problems import InvalidFile
 from somo_cli.scene import columns
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.loading import scene_from_text
 from tests.manipulator.bodies import X, Y, actuator, manipulator
 

@@ -15,7 +15,7 @@ import numpy as np
 from somo_cli.analysis.recorded_run import record_rows
 from somo_cli.problems import SimulationDiverged
 from somo_cli.simulation.engine.bullet.world import BulletWorld
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.contact.candidates import Candidate
 from tests.contact.cases import dragged
 from tests.loading import scene_from_text

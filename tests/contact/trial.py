@@ -15,7 +15,7 @@ from somo_cli.problems import SimulationDiverged
 from somo_cli.scene import columns
 from somo_cli.simulation import run
 from somo_cli.simulation.engine.bullet.world import BulletWorld
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.contact.candidates import EXPLICIT, PLAIN, Candidate
 from tests.contact.cases import Case, Table, named
 

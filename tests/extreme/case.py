@@ -19,7 +19,8 @@ from somo_cli.loading import load_text, scene_of
 from somo_cli.scene.model import Integrator
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.dynamics.modal import natural_frequencies
-from somo_cli.simulation.plan.model import Plan, make_plan
+from somo_cli.simulation.plan.build import make_plan
+from somo_cli.simulation.plan.model import Plan
 from tests.loading import DEFINITIONS
 
 CASES = Path(__file__).with_name("cases.yaml")

@@ -14,7 +14,7 @@ from somo_cli.problems import SimulationDiverged
 from somo_cli.scene import columns
 from somo_cli.simulation import run
 from somo_cli.simulation.engine.bullet.world import BulletWorld
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.grasp.cases import END, RADIUS, Grasp
 
 FINE = 2e-4  # s: the step of the converged run

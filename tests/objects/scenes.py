@@ -10,7 +10,7 @@ from somo_cli.arrays import Array
 from somo_cli.loading import load, scene_of
 from somo_cli.problems import InvalidFile, Problem
 from somo_cli.scene.model import Scene
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.loading import rows_of
 
 INPUTS = Path(__file__).parent / "inputs"

@@ -12,7 +12,7 @@ from somo_cli.manipulator import solids
 from somo_cli.picture.drawn_parts import parts_of
 from somo_cli.problems import InvalidFile
 from somo_cli.scene.object_shapes import object_link
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan_report import explain
 from tests import public_objects
 from tests.objects.scenes import INPUTS, columns, problems, scene

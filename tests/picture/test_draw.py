@@ -16,7 +16,7 @@ from somo_cli.picture.facets import Array
 from somo_cli.picture.recorded_motion import RecordedMotion, drawn
 from somo_cli.picture.tiny_renderer import TinyRenderer
 from somo_cli.scene import columns
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.picture.projection import project
 

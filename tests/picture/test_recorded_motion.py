@@ -12,7 +12,7 @@ from somo_cli.manipulator import geometry
 from somo_cli.picture.drawn_parts import Configuration, parts_of, poses_at, start_configuration
 from somo_cli.picture.recorded_motion import RecordedMotion, drawn
 from somo_cli.scene import columns
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.loading import rows_of, scene_from_file
 
 POSE = ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")

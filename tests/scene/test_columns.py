@@ -9,7 +9,8 @@ import pytest
 
 from somo_cli.scene import columns
 from somo_cli.scene.model import Quantity
-from somo_cli.simulation.plan.model import Plan, make_plan
+from somo_cli.simulation.plan.build import make_plan
+from somo_cli.simulation.plan.model import Plan
 from tests.loading import scene_from_text
 from tests.manipulator.bodies import EVERYTHING, X, Y, actuator, manipulator
 

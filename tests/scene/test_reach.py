@@ -13,7 +13,7 @@ from somo_cli.manipulator.kinematics import Pose, link_poses
 from somo_cli.scene.extents import max_height
 from somo_cli.scene.reach import can_touch, reach
 from somo_cli.simulation import plan_report
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.loading import rows_of, scene_from_text
 from tests.manipulator.bodies import EVERYTHING, Data, X, Y, actuator, manipulator
 

@@ -12,7 +12,7 @@ import pytest
 from somo_cli.document.parse import parse
 from somo_cli.scene import columns
 from somo_cli.scene.checks import scene as scene_checks
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.manipulator.bodies import Data, X, actuator, manipulator
 

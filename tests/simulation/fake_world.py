@@ -19,7 +19,8 @@ from somo_cli.simulation.engine.pressing import (
     PressingForces,
     PressingPoints,
 )
-from somo_cli.simulation.plan.model import Body, Plan, make_plan
+from somo_cli.simulation.plan.build import make_plan
+from somo_cli.simulation.plan.model import Body, Plan
 from tests.loading import scene_from_text
 from tests.manipulator.bodies import actuator, hinge, manipulator
 

@@ -19,7 +19,7 @@ from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.dynamics.external_loads import generalised_load_force, load_stiffness
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.integrator import energy_bound, refresh_policy
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.loading import rows_of, scene_from_text
 from tests.simulation.mujoco_reference import model_of
 from tests.simulation.test_physics import momentum

@@ -16,7 +16,7 @@ from somo_cli.scene.model import Scene
 from somo_cli.simulation import run
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.integrator.energy_bound import BodyEnergy
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.simulation.mujoco_reference import model_of, trajectory_under_loads
 from tests.simulation.test_physics import LIGHT_BASE_AND_DAMPED, centre_of_mass

@@ -13,7 +13,7 @@ import scipy.integrate
 
 from somo_cli.manipulator import geometry
 from somo_cli.scene import columns, object_shapes
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.manipulator.bodies import Data
 from tests.scene.test_compound import SCALES, G, slop

@@ -10,7 +10,7 @@ import pytest
 
 import somo_cli
 from somo_cli.simulation.metadata import metadata
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan_report import plain_data
 from somo_cli.simulation.run import RunSummary
 from tests.loading import scene_from_file

@@ -16,7 +16,8 @@ from somo_cli.manipulator import geometry
 from somo_cli.scene.model import Scene
 from somo_cli.simulation import run
 from somo_cli.simulation.engine.bullet.world import BulletWorld
-from somo_cli.simulation.plan.model import Plan, make_plan
+from somo_cli.simulation.plan.build import make_plan
+from somo_cli.simulation.plan.model import Plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.simulation.mujoco_reference import model_of, trajectory
 

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from somo_cli.manipulator import urdf
-from somo_cli.simulation.plan.model import Plan, make_plan
+from somo_cli.simulation.plan.build import make_plan
+from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.plan_report import Decision, explain, plain_data
 from tests.loading import DEFINITIONS, rows_of, scene_from_file, scene_from_text
 from tests.manipulator.bodies import Data, X, Y, actuator, manipulator

@@ -14,7 +14,8 @@ import pytest
 
 from somo_cli.arrays import Array
 from somo_cli.problems import EngineRefused, SimulationDiverged
-from somo_cli.simulation.plan.model import Plan, make_plan
+from somo_cli.simulation.plan.build import make_plan
+from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.run import RunSummary, run
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.simulation.fake_world import FakeWorld, plan_of_hinges

@@ -13,7 +13,7 @@ from somo_cli.manipulator.solids import Inertial
 from somo_cli.scene.model import Scene
 from somo_cli.simulation import run
 from somo_cli.simulation.engine.bullet.world import BulletWorld
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.sliding.headings import BODIES, HEIGHTS
 from tests.truth.touching import G, with_cubes
 

@@ -16,7 +16,7 @@ import numpy as np
 from somo_cli.arrays import Array
 from somo_cli.simulation import run as stepping
 from somo_cli.simulation.engine.bullet.world import BulletWorld
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.bench.classic import classic_loop
 from tests.bench.hand import timed_engine
 from tests.loading import scene_from_file

@@ -13,7 +13,7 @@ import numpy as np
 
 from somo_cli.arrays import Array
 from somo_cli.scene import columns
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.run import RunSummary
 from tests.loading import scene_from_file, simulated
 

@@ -28,7 +28,7 @@ from somo_cli.analysis.recorded_run import median_run_time, record_rows
 from somo_cli.problems import SimulationDiverged
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.engine.bullet.world import BulletWorld
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.bench.accuracy import MOTIONS, scene_of, truth_of
 from tests.simulation.mujoco_reference import model_of
 

@@ -16,7 +16,7 @@ from somo_cli.analysis import closed_forms, scene_variants
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.dynamics.external_loads import generalised_load_force, load_stiffness
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.loading import rows_of, scene_from_file
 from tests.truth.table import Row, ordered
 

@@ -11,7 +11,7 @@ from somo_cli.analysis import closed_forms
 from somo_cli.analysis.error_estimate import estimate
 from somo_cli.scene.model import Integrator, Scene
 from somo_cli.simulation.engine.bullet.world import BulletWorld
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.bench.accuracy import MOTIONS, scene_of, truth_of
 from tests.loading import in_turn, rows_of
 from tests.simulation import test_physics as physics

@@ -15,7 +15,7 @@ from somo_cli.document.table import read_table
 from somo_cli.scene import columns
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.engine.bullet.world import BulletWorld
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.loading import rows_of, scene_from_text
 from tests.manipulator.bodies import Data, actuator, hinge, manipulator
 from tests.truth.table import Row

@@ -11,7 +11,7 @@ import numpy as np
 from somo_cli.manipulator import geometry
 from somo_cli.scene import columns
 from somo_cli.scene.model import Scene
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.manipulator.bodies import X, actuator, manipulator
 from tests.simulation.mujoco_reference import model_of, prescribed_trajectory

@@ -16,7 +16,7 @@ from somo_cli.manipulator.kinematics import Pose
 from somo_cli.scene.model import Integrator, Scene
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.dynamics.modal import natural_frequencies
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.simulation import test_physics as physics
 from tests.truth.table import Row, ordered

@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from somo_cli.manipulator.dimensions import Dimension
-from somo_cli.simulation.plan.model import TORQUE, Plan
+from somo_cli.simulation.plan.model import Plan
+
+TORQUE = Dimension(mass=1, length=2, time=-2)
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,8 @@ import pytest
 from somo_cli.manipulator.kinematics import Pose, link_poses
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics, ChainPose
 from somo_cli.simulation.engine.bullet.world import BulletWorld
-from somo_cli.simulation.plan.model import Plan, make_plan
+from somo_cli.simulation.plan.build import make_plan
+from somo_cli.simulation.plan.model import Plan
 from tests.loading import scene_from_file
 
 SCENES = ("scene.yaml", "three_axis_finger_scene.yaml", "arm_scene.yaml")

@@ -15,7 +15,7 @@ from somo_cli.manipulator.kinematics import Pose
 from somo_cli.scene.model import ExternalLoad, Frame, Scene
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.dynamics.external_loads import ExternalLoads
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.loading import rows_of, scene_from_file
 from tests.simulation.test_physics import INERTIA, exact_angle, hinge
 

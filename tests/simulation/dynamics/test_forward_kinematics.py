@@ -16,7 +16,7 @@ from somo_cli.simulation.dynamics.forward_kinematics import (
     point_positions,
     quaternions,
 )
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.loading import scene_from_file, scene_from_text
 from tests.manipulator.bodies import EVERYTHING
 

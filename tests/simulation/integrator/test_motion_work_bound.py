@@ -11,7 +11,8 @@ import pytest
 
 from somo_cli.problems import SimulationDiverged
 from somo_cli.simulation.integrator.motion_work_bound import MotionWorkBound
-from somo_cli.simulation.plan.model import Plan, make_plan
+from somo_cli.simulation.plan.build import make_plan
+from somo_cli.simulation.plan.model import Plan
 from tests.loading import rows_of, scene_from_text
 from tests.manipulator.bodies import Data
 

@@ -15,7 +15,7 @@ from somo_cli.manipulator import geometry
 from somo_cli.problems import EngineRefused
 from somo_cli.scene import columns
 from somo_cli.scene.model import Scene
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.loading import rows_of, scene_from_text
 from tests.manipulator.bodies import Y, actuator, hinge, manipulator
 

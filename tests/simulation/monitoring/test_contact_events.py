@@ -10,7 +10,7 @@ import pytest
 
 from somo_cli.simulation.engine.contacts import ContactPoint, LinkIndex
 from somo_cli.simulation.monitoring.contact_events import ContactEvent, ContactMonitor
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.recording.contact_event_writer import ContactEventWriter
 from somo_cli.simulation.run import run
 from tests.loading import scene_from_file, scene_from_text

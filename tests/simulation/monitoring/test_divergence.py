@@ -17,8 +17,9 @@ from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.integrator.energy_bound import SMALL_ANGLE, BodyEnergy
 from somo_cli.simulation.monitoring import divergence
 from somo_cli.simulation.monitoring.divergence import DivergenceMonitor, StateHistory
+from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.joint_springs import JointSprings
-from somo_cli.simulation.plan.model import Plan, make_plan
+from somo_cli.simulation.plan.model import Plan
 from tests.loading import DEFINITIONS, rows_of, scene_from_file, scene_from_text, simulated
 from tests.manipulator.bodies import actuator, hinge, manipulator
 from tests.simulation import test_physics as physics

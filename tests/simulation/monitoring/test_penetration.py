@@ -11,7 +11,8 @@ from somo_cli.simulation.monitoring.penetration import (
     penetration_warning,
     steps_between_samples,
 )
-from somo_cli.simulation.plan.model import Plan, make_plan
+from somo_cli.simulation.plan.build import make_plan
+from somo_cli.simulation.plan.model import Plan
 from tests.loading import scene_from_text, simulated
 from tests.manipulator.bodies import X, actuator, manipulator
 from tests.simulation.fake_world import FakeWorld, plan_of_hinges

@@ -16,7 +16,8 @@ from somo_cli.scene.stop_conditions import (
     read_stop_conditions,
 )
 from somo_cli.simulation.integrator.refresh_policy import MONITORING_INTERVAL
-from somo_cli.simulation.plan.model import Plan, make_plan
+from somo_cli.simulation.plan.build import make_plan
+from somo_cli.simulation.plan.model import Plan
 from tests.loading import scene_from_text, simulated
 from tests.manipulator.bodies import Data
 from tests.scene.test_rigid_object import CUBE, G, scene_of

@@ -10,7 +10,7 @@ import pytest
 
 from somo_cli.scene import columns
 from somo_cli.scene.model import ALL_OBJECT_QUANTITIES, ALL_QUANTITIES
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.simulation.fake_world import FakeWorld, plan_of_hinges
 from tests.simulation.test_run import Ended

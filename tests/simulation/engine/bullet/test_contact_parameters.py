@@ -13,7 +13,7 @@ from somo_cli.simulation.engine.bullet.contact_parameters import (
     surface_settings,
 )
 from somo_cli.simulation.engine.bullet.world import BulletWorld
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.loading import rows_of, scene_from_text
 from tests.manipulator.bodies import X, actuator, manipulator
 from tests.truth import surfaces

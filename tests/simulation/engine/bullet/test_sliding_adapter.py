@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from somo_cli.scene import columns
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from tests.loading import rows_of, scene_from_text
 from tests.manipulator.bodies import actuator, hinge, manipulator
 from tests.sliding.headings import stop

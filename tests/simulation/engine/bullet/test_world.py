@@ -21,7 +21,8 @@ from somo_cli.problems import EngineMissing, EngineRefused
 from somo_cli.simulation.engine.bullet import collision_filter
 from somo_cli.simulation.engine.bullet.body import MAX_UNNAMED_JOINTS, ZERO_EFFECT_TORQUE
 from somo_cli.simulation.engine.bullet.world import BulletBody, BulletWorld
-from somo_cli.simulation.plan.model import Plan, make_plan
+from somo_cli.simulation.plan.build import make_plan
+from somo_cli.simulation.plan.model import Plan
 from tests.loading import rows_of, scene_from_file, scene_from_text
 from tests.manipulator.bodies import EVERYTHING, X, Y, actuator, bent, hinge, manipulator
 
