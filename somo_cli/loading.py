@@ -21,6 +21,7 @@ from somo_cli.problems import (
     Pointer,
     Problem,
     has_errors,
+    in_reading_order,
 )
 from somo_cli.scene import model as scene_model
 from somo_cli.scene import object_files, proximity
@@ -69,6 +70,20 @@ def check(document: Document) -> tuple[Problem, ...]:
         if scene_model.is_scene(document)
         else compiler.document_problems(document)
     )
+
+
+def check_with_overlaps(document: Document) -> tuple[Problem, ...]:
+    """Return what `check` does, in reading order, and where a sound scene's parts overlap.
+
+    The engine finds overlaps; without an engine none are reported.
+    """
+    if not scene_model.is_scene(document) or sorotraj_checks.is_trajectory(document):
+        return check(document)
+    checked = scene_checks.check_scene(document)
+    if checked.scene is None:
+        return checked.problems
+    found = (*checked.problems, *overlaps(document, checked.scene))
+    return in_reading_order(found, document.texts)
 
 
 def refuse_trajectory(document: Document) -> None:
@@ -128,13 +143,15 @@ def scene_of(
     place of what the scene says. A time step that is left to us is the recommended one.
     """
     refuse_trajectory(document)
-    problems = check(document)
-    if not scene_model.is_scene(document) and not has_errors(problems):
+    if not scene_model.is_scene(document):
+        problems = compiler.document_problems(document)
+        if has_errors(problems):
+            raise InvalidFile(problems, document.texts)
         document = as_scene(document)
-        problems = scene_checks.scene_problems(document)
-    if has_errors(problems):
+    checked = scene_checks.check_scene(document)
+    found, problems = checked.scene, checked.problems
+    if found is None:
         raise InvalidFile(problems, document.texts)
-    found = scene_model.read_scene(document)
     if every is not None:
         found = dataclasses.replace(found, every=every)
     if time_step == "auto":

@@ -10,7 +10,7 @@ from somo_cli import loading
 from somo_cli.document.parse import Document
 from somo_cli.manipulator.compile import Compiled, compile_definition
 from somo_cli.manipulator.dimensions import Scale
-from somo_cli.problems import InvalidFile, Problem, has_errors, in_reading_order
+from somo_cli.problems import InvalidFile, Problem, has_errors
 
 Source: TypeAlias = "Document | str | PathLike[str]"
 """A document that was loaded, or the path of a file to load."""
@@ -40,8 +40,12 @@ def load(
 
 
 def document_of(source: Source) -> Document:
-    """Return a document as it is, and the one that a path names; raises as `load` does."""
-    return source if isinstance(source, Document) else load(source)
+    """Return a document as it is, or read the one that a path names.
+
+    What it says is not checked yet. Raises InvalidFile if it cannot be read as YAML, or a file that
+    it names cannot be put in; OSError.
+    """
+    return source if isinstance(source, Document) else loading.load(fspath(source))
 
 
 def check(
@@ -60,15 +64,12 @@ def check(
         )
     except InvalidFile as error:
         return error.problems
-    problems = loading.check(document)
-    if not has_errors(problems):
-        problems = (*problems, *loading.overlaps(document))
-    return in_reading_order(problems, document.texts)
+    return loading.check_with_overlaps(document)
 
 
 def compiled(source: Source) -> Compiled:
     """Return what a definition or an assembly compiles to; raises InvalidFile and OSError."""
-    document = source if isinstance(source, Document) else loading.load(fspath(source))
+    document = document_of(source)
     loading.refuse_scene(document)
     return compile_definition(document)
 

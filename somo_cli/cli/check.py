@@ -111,8 +111,7 @@ def _check_files(paths: Sequence[str], access: "Access", is_strict: bool, as_jso
             is_unreadable = True
             terminal.print_message(f"somo: {error.filename or path}: {error.strerror or error}")
         else:
-            faults = loading.check(document)
-            found.extend(faults if has_errors(faults) else (*faults, *loading.overlaps(document)))
+            found.extend(loading.check_with_overlaps(document))
             texts.update(document.texts)
     found = list(in_reading_order(found, texts))
     if as_json:

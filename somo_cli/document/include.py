@@ -51,7 +51,8 @@ def include(
             message = f"more than {MAX_VALUES} values, with the files it names"
             problems.append(Problem(document.span(()), message))
             break
-        document = embed_all(document, parts)
+        if parts:
+            document = embed_all(document, parts)
         texts.update(document.texts)
     return replace(document, texts=texts), tuple(problems)
 

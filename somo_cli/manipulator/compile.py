@@ -77,6 +77,20 @@ def compile_sound(document: Document, at: Pointer, warnings: tuple[Problem, ...]
     return Compiled(definition, assembly_chain.build(definition), scale, warnings)
 
 
+class DefinitionCompiler:
+    """Compiles the definitions of one document without errors, each of them once."""
+
+    def __init__(self, document: Document) -> None:
+        self._document = document
+        self._compiled: dict[Pointer, Compiled] = {}
+
+    def at(self, pointer: Pointer) -> Compiled:
+        """Return what the definition or assembly at a pointer compiles to."""
+        if pointer not in self._compiled:
+            self._compiled[pointer] = compile_sound(self._document, pointer, ())
+        return self._compiled[pointer]
+
+
 def compile_definition(document: Document) -> Compiled:
     """Compile a definition; raise InvalidFile with all its faults if one is an error."""
     problems = document_problems(document)

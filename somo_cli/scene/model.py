@@ -12,7 +12,7 @@ from somo_cli.manipulator import read as manipulator_read
 from somo_cli.manipulator.assembly import is_assembly
 from somo_cli.manipulator.chain import Chain, Limb
 from somo_cli.manipulator.compile import FILE_POINTERS as DEFINITION_FILE_POINTERS
-from somo_cli.manipulator.compile import Compiled, compile_sound
+from somo_cli.manipulator.compile import Compiled, DefinitionCompiler
 from somo_cli.manipulator.dimensions import Force, Number, Position, Scale, Time, Torque
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
@@ -181,17 +181,19 @@ def read_trajectories(data: Any) -> Mapping[str, Trajectory]:
     }
 
 
-def read_scene(document: Document) -> Scene:
-    """Return the scene of a document in which no error was found.
+def read_scene(document: Document, definitions: DefinitionCompiler | None = None) -> Scene:
+    """Return the scene of a document without errors.
 
-    A time step that is left to us is the default one as yet: `loading` knows how to choose.
+    `definitions` has what the checks compiled already. Where the scene leaves the time step to us,
+    it is the default one here: `loading` chooses it.
     """
+    definitions = definitions or DefinitionCompiler(document)
     data: Any = document.data
     record = data.get("record", {})
     only = tuple(record.get("only", ()))
     trajectories = read_trajectories(data)
     manipulators = tuple(
-        _manipulator(document, index, item, trajectories)
+        _manipulator(item, definitions.at(("manipulators", index, "definition")), trajectories)
         for index, item in enumerate(data["manipulators"])
     )
     scale = manipulator_read.world_scale(document)
@@ -223,9 +225,8 @@ def read_scene(document: Document) -> Scene:
 
 
 def _manipulator(
-    document: Document, index: int, data: Any, trajectories: Mapping[str, Trajectory]
+    data: Any, compiled: Compiled, trajectories: Mapping[str, Trajectory]
 ) -> Manipulator:
-    compiled = compile_sound(document, ("manipulators", index, "definition"), ())
     count = len(compiled.chain.joints)
     return Manipulator(
         name=manipulator_name_of(data),

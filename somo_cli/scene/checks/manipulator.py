@@ -8,7 +8,7 @@ from typing import Any
 from somo_cli.document.parse import Document
 from somo_cli.manipulator import assembly_checks
 from somo_cli.manipulator.chain import Chain
-from somo_cli.manipulator.compile import compile_sound
+from somo_cli.manipulator.compile import Compiled, DefinitionCompiler
 from somo_cli.manipulator.definition_checks import IsSound
 from somo_cli.problems import Pointer, Problem, has_errors
 from somo_cli.scene.checks import actuation as actuation_checks
@@ -25,10 +25,12 @@ def manipulator_problems(
     data: Mapping[str, Any],
     is_sound: IsSound,
     channel_counts: Mapping[str, int | None],
+    definitions: DefinitionCompiler,
 ) -> Iterator[Problem]:
     """Yield the errors and warnings of the manipulator `data`, which has this index in its scene.
 
-    `channel_counts` has the number of channels of each trajectory, None if it is unknown.
+    `channel_counts` has the number of channels of each trajectory, None if it is unknown;
+    `definitions` compiles the manipulator's definition if that has no error.
     """
     at: Pointer = ("manipulators", index)
     definition_at: Pointer = (*at, "definition")
@@ -40,7 +42,8 @@ def manipulator_problems(
     yield from _base_problems(document, at, data, is_sound)
     yield from _entry_problems(document, at, data, is_sound)
     if has_definition and is_sound(definition_at) and not has_errors(in_definition):
-        yield from _compiled_problems(document, at, data, is_sound, channel_counts)
+        compiled = definitions.at(definition_at)
+        yield from _compiled_problems(document, at, data, is_sound, channel_counts, compiled)
 
 
 def _base_problems(
@@ -85,9 +88,9 @@ def _compiled_problems(
     data: Mapping[str, Any],
     is_sound: IsSound,
     channel_counts: Mapping[str, int | None],
+    compiled: Compiled,
 ) -> Iterator[Problem]:
-    """Yield the errors of a manipulator that show once its definition, without errors, compiles."""
-    compiled = compile_sound(document, (*at, "definition"), ())
+    """Yield the errors of a manipulator that show in its compiled definition."""
     chain = compiled.chain
     if not chain.joints:
         yield Problem(

@@ -18,18 +18,12 @@ AMBIGUOUS_GROUND = (
 )
 
 
-def recording_problems(document: Document) -> Iterator[Problem]:
-    """Yield the faults of the recording of a scene that has no others."""
-    record = document.data.get("record") if isinstance(document.data, Mapping) else None
-    if not isinstance(record, Mapping):
-        return
-    found = scene_model.read_scene(document)
-    yield from _ground_problems(document, found, bool(record.get("events", False)))
-    for index, pattern in enumerate(record.get("only", ())):
-        hint = unmatched_pattern_hint(found, pattern)
-        if hint is not None:
-            place = document.span(("record", "only", index))
-            yield Problem(place, f"no column matches '{pattern}'", hint)
+def recording_problems(document: Document, scene: Scene) -> Iterator[Problem]:
+    """Yield the errors of what a scene records; the scene has no other errors."""
+    yield from _ground_problems(document, scene)
+    for index, hint in unmatched_patterns(scene, scene.only):
+        place = document.span(("record", "only", index))
+        yield Problem(place, f"no column matches '{scene.only[index]}'", hint)
 
 
 def select_by_patterns(scene: Scene, patterns: Sequence[str]) -> Scene:
@@ -39,39 +33,41 @@ def select_by_patterns(scene: Scene, patterns: Sequence[str]) -> Scene:
     """
     if is_ground_name_ambiguous(scene):
         raise ValueError(AMBIGUOUS_GROUND)
-    whole = dataclasses.replace(
-        scene,
-        columns=scene_model.ALL_QUANTITIES,
-        object_quantities=scene_model.ALL_OBJECT_QUANTITIES,
-    )
-    for pattern in patterns:
-        hint = unmatched_pattern_hint(whole, pattern)
-        if hint is not None:
-            raise ValueError(f"no column matches {pattern!r}; {hint}")
+    whole = _with_all_quantities(scene)
+    for index, hint in unmatched_patterns(whole, patterns):
+        raise ValueError(f"no column matches {patterns[index]!r}; {hint}")
     return dataclasses.replace(whole, only=tuple(patterns))
 
 
-def unmatched_pattern_hint(found: Scene, pattern: str) -> str | None:
-    """Return what to say of a pattern that matches no column of a scene; None if one does."""
-    offered = _column_names_by_kind(found)
-    if any(fnmatchcase(name, pattern) for names in offered.values() for name in names):
-        return None
-    everything = _column_names_by_kind(
-        dataclasses.replace(
-            found,
-            columns=scene_model.ALL_QUANTITIES,
-            object_quantities=scene_model.ALL_OBJECT_QUANTITIES,
-        )
-    )
-    for (key, kind), names in everything.items():
+def unmatched_patterns(scene: Scene, patterns: Sequence[str]) -> Iterator[tuple[int, str]]:
+    """Yield the index of each pattern that matches none of the scene's columns, and a hint."""
+    if not patterns:
+        return
+    offered = [name for names in _column_names_by_quantity(scene).values() for name in names]
+    for index, pattern in enumerate(patterns):
+        if not any(fnmatchcase(name, pattern) for name in offered):
+            yield index, _unmatched_hint(scene, pattern)
+
+
+def _unmatched_hint(scene: Scene, pattern: str) -> str:
+    everything = _column_names_by_quantity(_with_all_quantities(scene))
+    for (key, quantity), names in everything.items():
         if any(fnmatchcase(name, pattern) for name in names):
-            return f"it is among {kind}, which record.{key} does not list"
+            return f"it is among {quantity}, which record.{key} does not list"
     known = [name for names in everything.values() for name in names]
     return did_you_mean(pattern, known) or f"columns are called like '{known[0]}'"
 
 
-def _column_names_by_kind(found: Scene) -> Mapping[tuple[str, str], Sequence[str]]:
-    """Return the names of all columns by the key of record and the kind; `only` left aside."""
+def _with_all_quantities(scene: Scene) -> Scene:
+    return dataclasses.replace(
+        scene,
+        columns=scene_model.ALL_QUANTITIES,
+        object_quantities=scene_model.ALL_OBJECT_QUANTITIES,
+    )
+
+
+def _column_names_by_quantity(found: Scene) -> Mapping[tuple[str, str], Sequence[str]]:
+    """Return the names of the columns that `only` chooses from, by key of `record` and quantity."""
     recorded = columns.Recorded(
         tuple((one.name, one.compiled.chain) for one in found.manipulators),
         tuple(one.name for one in found.objects),
@@ -93,11 +89,9 @@ def is_ground_name_ambiguous(found: Scene) -> bool:
     return found.ground is not None and GROUND_NAME in names
 
 
-def _ground_problems(
-    document: Document, found: Scene, has_contact_events: bool
-) -> Iterator[Problem]:
-    """Refuse to tell the ground from something else that is called so."""
-    names_ground = has_contact_events or "contact_pairs" in (
+def _ground_problems(document: Document, found: Scene) -> Iterator[Problem]:
+    """Yield an error for everything called ground, where the recording names what touches."""
+    names_ground = found.has_contact_events or "contact_pairs" in (
         *found.columns,
         *found.object_quantities,
     )

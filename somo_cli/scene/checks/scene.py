@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from somo_cli.document.include import unresolved_references
 from somo_cli.document.parse import Document
 from somo_cli.document.validate import schema_problems, soundness_test
 from somo_cli.manipulator import assembly, assembly_checks
+from somo_cli.manipulator.compile import DefinitionCompiler
 from somo_cli.manipulator.definition_checks import IsSound
 from somo_cli.manipulator.dimensions import Scale
 from somo_cli.problems import Pointer, Problem, has_errors, in_reading_order
@@ -19,11 +21,25 @@ from somo_cli.scene.checks import soft_ground as soft_ground_checks
 from somo_cli.scene.checks import sorotraj as sorotraj_checks
 from somo_cli.scene.checks import stop_conditions as stop_conditions_checks
 from somo_cli.scene.checks.manipulator import manipulator_problems
-from somo_cli.scene.model import FILE_POINTERS, manipulator_name_of
+from somo_cli.scene.model import FILE_POINTERS, Scene, manipulator_name_of, read_scene
+
+
+@dataclass(frozen=True, slots=True)
+class CheckedScene:
+    """Every error and warning about a scene, in reading order, and the scene if it has no error."""
+
+    problems: tuple[Problem, ...]
+    scene: Scene | None
 
 
 def scene_problems(document: Document) -> tuple[Problem, ...]:
     """Return every error and warning about a scene and the definitions in it."""
+    return check_scene(document).problems
+
+
+def check_scene(document: Document) -> CheckedScene:
+    """Check a scene and the definitions in it; compile each definition once, if it has no error."""
+    definitions = DefinitionCompiler(document)
     shape = schema_problems(document, "scene")
     missing = unresolved_references(document, (*FILE_POINTERS, *object_files.FILE_POINTERS))
     is_sound = soundness_test(shape, missing)
@@ -41,15 +57,22 @@ def scene_problems(document: Document) -> tuple[Problem, ...]:
         for index, item in enumerate(manipulators):
             if isinstance(item, Mapping):
                 problems.extend(
-                    manipulator_problems(document, index, item, is_sound, channel_counts)
+                    manipulator_problems(
+                        document, index, item, is_sound, channel_counts, definitions
+                    )
                 )
         problems.extend(_name_problems(document, manipulators, is_sound))
         problems.extend(_scale_problems(document, manipulators, is_sound))
     problems.extend(stop_conditions_checks.stop_condition_problems(document, is_sound))
-    if isinstance(data, Mapping) and not missing and not has_errors(problems):
-        problems.extend(recording_checks.recording_problems(document))
-        problems.extend(soft_ground_checks.soft_ground_problems(document))
-    return in_reading_order(problems, document.texts)
+    if missing or has_errors(problems):
+        return CheckedScene(in_reading_order(problems, document.texts), None)
+    scene = read_scene(document, definitions)
+    problems.extend(recording_checks.recording_problems(document, scene))
+    problems.extend(soft_ground_checks.soft_ground_problems(document, scene))
+    is_sound_as_a_whole = not has_errors(problems)
+    return CheckedScene(
+        in_reading_order(problems, document.texts), scene if is_sound_as_a_whole else None
+    )
 
 
 def _is_below_any(pointer: Pointer, places: Mapping[Pointer, Problem]) -> bool:

@@ -9,8 +9,7 @@ not.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator
 
 from somo_cli.document.parse import Document
 from somo_cli.manipulator.chain import Link
@@ -18,17 +17,14 @@ from somo_cli.manipulator.round_solids import Capsule
 from somo_cli.manipulator.solids import Box, Sphere
 from somo_cli.problems import Pointer, Problem
 from somo_cli.scene.contact_surface import ContactSurface
-from somo_cli.scene.model import read_scene
+from somo_cli.scene.model import Scene
 from somo_cli.scene.round_body import round_body_of
 
 
-def soft_ground_problems(document: Document) -> Iterator[Problem]:
-    """Yield a warning for each free body that may gain energy, of a scene without errors."""
-    data: Any = document.data
-    if "ground" not in data or not _has_key(data, "contact_stiffness"):
-        return  # most scenes need not be read for this
-    scene = read_scene(document)
-    assert scene.ground is not None
+def soft_ground_problems(document: Document, scene: Scene) -> Iterator[Problem]:
+    """Yield a warning for each free body of a scene that may gain energy on the ground."""
+    if scene.ground is None:
+        return
     ground = scene.ground.surface
     for index, one in enumerate(scene.manipulators):
         links = one.compiled.chain.links
@@ -39,13 +35,6 @@ def soft_ground_problems(document: Document) -> Iterator[Problem]:
         links = rigid_object.chain.links
         if is_free and _is_soft(ground, rigid_object.surface) and _act_late(links):
             yield _finding(document, ("objects", index), rigid_object.name)
-
-
-def _has_key(data: Any, key: str) -> bool:
-    """Whether a mapping anywhere in the data has a key."""
-    if isinstance(data, Mapping):
-        return key in data or any(_has_key(value, key) for value in data.values())
-    return isinstance(data, list) and any(_has_key(value, key) for value in data)
 
 
 def has_prompt_springs(link: Link) -> bool:

@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from somo_cli import loading
 from somo_cli.document.parse import parse
+from somo_cli.manipulator import assembly_chain
+from somo_cli.manipulator import compile as compiler
+from somo_cli.manipulator.chain import Chain
+from somo_cli.manipulator.definition import Definition
 from somo_cli.scene.checks import scene as scene_checks
 from tests.manipulator.bodies import X, Y, actuator, hinge, manipulator
 
@@ -315,3 +322,18 @@ def test_no_value_at_all_makes_it_stumble(place: tuple[str | int, ...], value: o
         at = at[step]
     at[last] = value
     told_of(data["all"])
+
+
+def test_each_definition_is_compiled_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    path = Path(__file__).parents[3] / "definitions" / "in_hand_scene.yaml"
+    document = loading.load(str(path))
+    built: list[str] = []
+
+    def build(definition: Definition) -> Chain:
+        built.append(definition.name)
+        return assembly_chain.build(definition)
+
+    monkeypatch.setattr(compiler, "assembly_chain", SimpleNamespace(build=build))
+    scene, _ = loading.scene_of(document)
+    assert built == [one.compiled.definition.name for one in scene.manipulators]
+    assert len(built) == 4
