@@ -15,7 +15,7 @@ import pytest
 import scipy.linalg
 
 from somo_cli.loading import load
-from somo_cli.manipulator import geometry, solids
+from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.compile import compile_definition
 from somo_cli.manipulator.kinematics import Pose, link_poses
@@ -210,7 +210,7 @@ def test_what_tumbles_comes_to_rest_at_its_true_height(somo: Somo, tmp_path: Pat
     assert table["angle.pose.z_m"][-1] == pytest.approx(0, abs=2e-6)
     assert table["pill.pose.z_m"] == pytest.approx(0.015, abs=2e-5)
     assert table["pill.pose.y_m"][-1] > 0.1
-    die = solids.volume(RoundedBox((0.03, 0.03, 0.03), 0.004))
+    die = RoundedBox((0.03, 0.03, 0.03), 0.004).volume
     weights = {"die": 600 * die, "angle": 2700 * (30 * 30 * 5 + 5 * 30 * 25) * 1e-9}
     for name, mass in weights.items():
         assert table[f"{name}.contact.fz_n"][-1] == pytest.approx(9.81 * mass, rel=1e-3)

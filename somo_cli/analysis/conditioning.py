@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from functools import singledispatch
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,6 @@ from somo_cli.document.parse import Document
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.definition import MAXIMUM_JOINTS
-from somo_cli.manipulator.solids import Box, Cylinder, Sphere
 from somo_cli.problems import Pointer, Problem
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.dynamics.modal import MIN_JOINT_INERTIA, articulated_inertia
@@ -144,7 +142,7 @@ def limits_reached(body: Body, swings: Array, document: Document, at: Pointer) -
 
 def _size_findings(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterator[Problem]:
     sizes = [
-        (_smallest_extent(shape.solid), index)
+        (shape.solid.smallest_extent, index)
         for index, link in enumerate(body.chain.links)
         for shape in link.shapes
     ]
@@ -159,26 +157,6 @@ def _size_findings(plan: Plan, body: Body, document: Document, at: Pointer) -> I
             "warning",
             "small-for-contact",
         )
-
-
-@singledispatch
-def _smallest_extent(solid: object) -> float:
-    raise TypeError(f"no link of a manipulator is a {type(solid).__name__}")
-
-
-@_smallest_extent.register
-def _(solid: Box) -> float:
-    return min(solid.size)
-
-
-@_smallest_extent.register
-def _(solid: Cylinder) -> float:
-    return min(solid.length, 2 * solid.radius)
-
-
-@_smallest_extent.register
-def _(solid: Sphere) -> float:
-    return 2 * solid.radius
 
 
 def _pointer_of(chain: Chain, document: Document, at: Pointer, link: int) -> Pointer:

@@ -154,7 +154,7 @@ class _LinkBuilder:
 
     def add(self, part: LinkDefinition, solid: Solid, inertial: Inertial, start: float) -> None:
         """Add a part whose proximal face is at height `start` on the backbone."""
-        at = geometry.subtract((0.0, 0.0, start + solids.height(solid) / 2), self.origin)
+        at = geometry.subtract((0.0, 0.0, start + solid.height / 2), self.origin)
         at = geometry.add(at, part.offset)
         rotation = geometry.rotation_from_rpy(part.offset_rpy)
         self.inertials.append(solids.placed(inertial, at, rotation))
@@ -215,15 +215,15 @@ def _add_actuator(
                     )
                 )
                 bodies.append(_LinkBuilder(f"actuator_{index}_segment_{place}", hinge))
-        solid = solids.part(link.solid, fraction)
+        solid = link.solid.shortened(fraction)
         bodies[-1].add(link, solid, _inertial(link, fraction), end)
-        end += solids.height(solid)
+        end += solid.height
     return end
 
 
 def _inertial(link: LinkDefinition, fraction: float = 1.0) -> Inertial:
-    full = link.inertia or solids.inertia(link.solid, link.mass)
-    part = solids.part_inertia(link.solid, full, fraction)
+    full = link.inertia or link.solid.inertia(link.mass)
+    part = solids.shortened_inertia(link.solid, full, fraction)
     return Inertial(link.mass * fraction, geometry.ZERO, part)
 
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from somo_cli.manipulator import solids
 from somo_cli.manipulator.dimensions import (
     Angle,
     AngularRate,
@@ -64,7 +63,7 @@ class LinkDefinition:
     @property
     def height(self) -> float:
         """BoundingBox along the backbone."""
-        return solids.height(self.solid)
+        return self.solid.height
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, TypeAlias
 
 from somo_cli.document.parse import Document
-from somo_cli.manipulator import geometry, solids
+from somo_cli.manipulator import geometry
 from somo_cli.manipulator.definition import MAXIMUM_JOINTS
 from somo_cli.manipulator.read import link_from
 from somo_cli.problems import Pointer, Problem
@@ -227,7 +227,7 @@ def _inertia_problems(
     link = link_from(data)
     assert link.inertia is not None
     place = document.span((*at, "inertial_values"))
-    own = geometry.principal_moments(solids.inertia(link.solid, link.mass))
+    own = geometry.principal_moments(link.solid.inertia(link.mass))
     declared = geometry.principal_moments(link.inertia)
     ownership = "the solid's own is [" + ", ".join(f"{moment:.3g}" for moment in own) + "]"
     slack = 1e-9 * abs(declared[2])

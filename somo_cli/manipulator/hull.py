@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from somo_cli.manipulator import geometry
 from somo_cli.manipulator.dimensions import Position
+from somo_cli.manipulator.geometry import Vector
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,8 +16,26 @@ class Hull:
     vertices: tuple[Position, ...]
     faces: tuple[tuple[int, int, int], ...]
 
+    @property
+    def height(self) -> float:
+        """The extent along z."""
+        return self._extent(2)
 
-def height(hull: Hull) -> float:
-    """Return the extent along z."""
-    heights = [z for _, _, z in hull.vertices]
-    return max(heights) - min(heights)
+    @property
+    def smallest_extent(self) -> float:
+        """The least of the extents along x, y and z."""
+        return min(map(self._extent, range(3)))
+
+    @property
+    def circumradius(self) -> float:
+        """The distance of the farthest vertex from the origin of the frame."""
+        return max(map(geometry.norm, self.vertices))
+
+    def reach(self, direction: Vector) -> float:
+        """Return the farthest extent from the origin along a unit direction in its own axes."""
+        x, y, z = direction
+        return max(x * px + y * py + z * pz for px, py, pz in self.vertices)
+
+    def _extent(self, axis: int) -> float:
+        along = [vertex[axis] for vertex in self.vertices]
+        return max(along) - min(along)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from somo_cli.manipulator import geometry
 from somo_cli.manipulator.dimensions import Length
-from somo_cli.manipulator.geometry import Tensor
+from somo_cli.manipulator.geometry import Tensor, Vector
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,12 +20,49 @@ class Capsule:
     length: Length
     radius: Length
 
+    @property
+    def height(self) -> float:
+        """The extent along z, with both half balls."""
+        return self.length + 2 * self.radius
+
+    @property
+    def smallest_extent(self) -> float:
+        """The diameter."""
+        return 2 * self.radius
+
+    @property
+    def circumradius(self) -> float:
+        """The distance of the farthest point from the origin of the frame."""
+        return self.length / 2 + self.radius
+
+    @property
+    def volume(self) -> float:
+        """The volume."""
+        r = self.radius
+        return math.pi * r * r * self.length + 4 / 3 * math.pi * r**3
+
+    def inertia(self, mass: float) -> Tensor:
+        """Return the inertia of a homogeneous capsule of this mass about its centre."""
+        length, r = self.length, self.radius
+        density = mass / self.volume
+        middle, ends = density * math.pi * r * r * length, density * 4 / 3 * math.pi * r**3
+        along = middle * r * r / 2 + ends * 2 / 5 * r * r
+        # the centre of a half ball is 3/8 r beyond its flat face; both about the middle (Steiner)
+        across = middle * (length**2 / 12 + r * r / 4)
+        across += ends * (2 / 5 * r * r + length**2 / 4 + 3 / 8 * length * r)
+        return (across, 0.0, 0.0, across, 0.0, along)
+
+    def reach(self, direction: Vector) -> float:
+        """Return the farthest extent from the origin along a unit direction in its own axes."""
+        return abs(direction[2]) * self.length / 2 + self.radius
+
 
 @dataclass(frozen=True, slots=True)
 class RoundedBox:
     """A box centred on its frame whose edges and corners are round, of one radius.
 
-    `size` is that of the box around it; a ball of the radius that rolls inside reaches all of it.
+    `size` is that of the box around it. It is the Minkowski sum of a smaller box, its core, and a
+    ball of this radius.
     """
 
     size: tuple[Length, Length, Length]
@@ -32,44 +70,46 @@ class RoundedBox:
 
     @property
     def core(self) -> tuple[float, float, float]:
-        """The half edges of the box to which the ball is added (Minkowski)."""
+        """The half edges of the core."""
         x, y, z = (edge / 2 - self.radius for edge in self.size)
         return (x, y, z)
 
+    @property
+    def height(self) -> float:
+        """The extent along z."""
+        return self.size[2]
 
-def volume(solid: Capsule | RoundedBox) -> float:
-    """Return the volume."""
-    r = solid.radius
-    ball = 4 / 3 * math.pi * r**3
-    if isinstance(solid, Capsule):
-        return math.pi * r * r * solid.length + ball
-    a, b, c = solid.core
-    # Steiner's formula for parallel bodies: V + S r + M r² + 4/3 π r³ of the core
-    faces, edges = 8 * r * (a * b + b * c + c * a), 2 * math.pi * r * r * (a + b + c)
-    return 8 * a * b * c + faces + edges + ball
+    @property
+    def smallest_extent(self) -> float:
+        """The shortest edge of the box around it."""
+        return min(self.size)
 
+    @property
+    def circumradius(self) -> float:
+        """The distance of the farthest point from the origin of the frame."""
+        return geometry.norm(self.core) + self.radius
 
-def inertia(solid: Capsule | RoundedBox, mass: float) -> Tensor:
-    """Return the inertia of the homogeneous solid about its centre."""
-    if isinstance(solid, Capsule):
-        return _inertia_of_capsule(solid, mass)
-    density = mass / volume(solid)
-    x, y, z = solid.core
-    s_x = density * _second_moment(x, y, z, solid.radius)
-    s_y = density * _second_moment(y, z, x, solid.radius)
-    s_z = density * _second_moment(z, x, y, solid.radius)
-    return (s_y + s_z, 0.0, 0.0, s_z + s_x, 0.0, s_x + s_y)
+    @property
+    def volume(self) -> float:
+        """The volume, by Steiner's formula: V + S r + M r² + 4/3 π r³ of the core."""
+        r = self.radius
+        a, b, c = self.core
+        faces, edges = 8 * r * (a * b + b * c + c * a), 2 * math.pi * r * r * (a + b + c)
+        return 8 * a * b * c + faces + edges + 4 / 3 * math.pi * r**3
 
+    def inertia(self, mass: float) -> Tensor:
+        """Return the inertia of a homogeneous rounded box of this mass about its centre."""
+        density = mass / self.volume
+        x, y, z = self.core
+        s_x = density * _second_moment(x, y, z, self.radius)
+        s_y = density * _second_moment(y, z, x, self.radius)
+        s_z = density * _second_moment(z, x, y, self.radius)
+        return (s_y + s_z, 0.0, 0.0, s_z + s_x, 0.0, s_x + s_y)
 
-def _inertia_of_capsule(capsule: Capsule, mass: float) -> Tensor:
-    length, r = capsule.length, capsule.radius
-    density = mass / volume(capsule)
-    middle, ends = density * math.pi * r * r * length, density * 4 / 3 * math.pi * r**3
-    along = middle * r * r / 2 + ends * 2 / 5 * r * r
-    # the centre of a half ball is 3/8 r beyond its flat face; both about the middle (Steiner)
-    across = middle * (length**2 / 12 + r * r / 4)
-    across += ends * (2 / 5 * r * r + length**2 / 4 + 3 / 8 * length * r)
-    return (across, 0.0, 0.0, across, 0.0, along)
+    def reach(self, direction: Vector) -> float:
+        """Return the farthest extent from the origin along a unit direction in its own axes."""
+        core = sum(abs(d) * half for d, half in zip(direction, self.core, strict=True))
+        return core + self.radius
 
 
 def _second_moment(a: float, b: float, c: float, r: float) -> float:

@@ -1,4 +1,8 @@
-"""Box, cylinder and sphere: their height along the backbone, inertia, and parts."""
+"""Box, cylinder and sphere, of which manipulators are made, and the inertia of rigid bodies.
+
+Every solid, of an object too, has `height`, `smallest_extent`, `circumradius` and `reach`; all but
+hulls have `volume` and `inertia`. Inertias: Goldstein, Classical Mechanics, 3rd ed., chapter 5.
+"""
 
 from __future__ import annotations
 
@@ -6,14 +10,14 @@ import math
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-from somo_cli.manipulator import geometry, hull, round_solids
+from somo_cli.manipulator import geometry
 from somo_cli.manipulator.dimensions import (
     InertiaTensor,
     Length,
     Mass,
     Position,
 )
-from somo_cli.manipulator.geometry import Matrix, Tensor
+from somo_cli.manipulator.geometry import Matrix, Tensor, Vector
 from somo_cli.manipulator.hull import Hull
 from somo_cli.manipulator.round_solids import Capsule, RoundedBox
 
@@ -24,6 +28,40 @@ class Box:
 
     size: tuple[Length, Length, Length]
 
+    @property
+    def height(self) -> float:
+        """The extent along z."""
+        return self.size[2]
+
+    @property
+    def smallest_extent(self) -> float:
+        """The shortest edge."""
+        return min(self.size)
+
+    @property
+    def circumradius(self) -> float:
+        """The distance of the farthest point from the origin of the frame."""
+        return geometry.norm(self.size) / 2
+
+    @property
+    def volume(self) -> float:
+        """The volume."""
+        return math.prod(self.size)
+
+    def inertia(self, mass: float) -> Tensor:
+        """Return the inertia of a homogeneous box of this mass about its centre."""
+        x, y, z = self.size
+        moments = (mass * (y * y + z * z) / 12, mass * (x * x + z * z) / 12)
+        return (moments[0], 0.0, 0.0, moments[1], 0.0, mass * (x * x + y * y) / 12)
+
+    def reach(self, direction: Vector) -> float:
+        """Return the farthest extent from the origin along a unit direction in its own axes."""
+        return sum(abs(d) * edge / 2 for d, edge in zip(direction, self.size, strict=True))
+
+    def shortened(self, fraction: float) -> Box:
+        """Return the box at this fraction of its height."""
+        return replace(self, size=(self.size[0], self.size[1], self.size[2] * fraction))
+
 
 @dataclass(frozen=True, slots=True)
 class Cylinder:
@@ -32,6 +70,40 @@ class Cylinder:
     length: Length
     radius: Length
 
+    @property
+    def height(self) -> float:
+        """The extent along z."""
+        return self.length
+
+    @property
+    def smallest_extent(self) -> float:
+        """The length or the diameter, whichever is less."""
+        return min(self.length, 2 * self.radius)
+
+    @property
+    def circumradius(self) -> float:
+        """The distance of the farthest point from the origin of the frame."""
+        return math.hypot(self.length / 2, self.radius)
+
+    @property
+    def volume(self) -> float:
+        """The volume."""
+        return math.pi * self.radius**2 * self.length
+
+    def inertia(self, mass: float) -> Tensor:
+        """Return the inertia of a homogeneous cylinder of this mass about its centre."""
+        across = mass * (3 * self.radius**2 + self.length**2) / 12
+        return (across, 0.0, 0.0, across, 0.0, mass * self.radius**2 / 2)
+
+    def reach(self, direction: Vector) -> float:
+        """Return the farthest extent from the origin along a unit direction in its own axes."""
+        x, y, z = direction
+        return abs(z) * self.length / 2 + math.hypot(x, y) * self.radius
+
+    def shortened(self, fraction: float) -> Cylinder:
+        """Return the cylinder at this fraction of its length."""
+        return replace(self, length=self.length * fraction)
+
 
 @dataclass(frozen=True, slots=True)
 class Sphere:
@@ -39,10 +111,43 @@ class Sphere:
 
     radius: Length
 
+    @property
+    def height(self) -> float:
+        """The diameter."""
+        return 2 * self.radius
+
+    @property
+    def smallest_extent(self) -> float:
+        """The diameter."""
+        return 2 * self.radius
+
+    @property
+    def circumradius(self) -> float:
+        """The radius."""
+        return self.radius
+
+    @property
+    def volume(self) -> float:
+        """The volume."""
+        return 4 / 3 * math.pi * self.radius**3
+
+    def inertia(self, mass: float) -> Tensor:
+        """Return the inertia of a homogeneous sphere of this mass about its centre."""
+        moment = 0.4 * mass * self.radius**2
+        return (moment, 0.0, 0.0, moment, 0.0, moment)
+
+    def reach(self, direction: Vector) -> float:
+        """Return the radius: a sphere reaches as far in every direction."""
+        return self.radius
+
+    def shortened(self, fraction: float) -> Sphere:
+        """Return the sphere of this fraction of the radius."""
+        return replace(self, radius=self.radius * fraction)
+
 
 Solid: TypeAlias = Box | Cylinder | Sphere
 AnySolid: TypeAlias = Solid | Capsule | RoundedBox | Hull
-"""What a manipulator is made of, and what else an object can be."""
+"""The solids of manipulators, and those that only objects have."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,78 +159,12 @@ class Inertial:
     inertia: InertiaTensor
 
 
-def height(solid: AnySolid) -> float:
-    """Return the extent along z, the direction of the backbone."""
-    if isinstance(solid, Hull):
-        return hull.height(solid)
-    if isinstance(solid, Capsule):
-        return solid.length + 2 * solid.radius
-    if isinstance(solid, Box | RoundedBox):
-        return solid.size[2]
-    if isinstance(solid, Cylinder):
-        return solid.length
-    return 2 * solid.radius
+def shortened_inertia(solid: Solid, full: Tensor, fraction: float) -> Tensor:
+    """Return the inertia of `solid.shortened(f)` at f times the mass; the full solid has `full`.
 
-
-def circumradius(solid: AnySolid) -> float:
-    """Return how far from the origin of its frame the farthest point of a solid is."""
-    if isinstance(solid, Hull):
-        return max(map(geometry.norm, solid.vertices))
-    if isinstance(solid, Capsule):
-        return solid.length / 2 + solid.radius
-    if isinstance(solid, RoundedBox):
-        return geometry.norm(solid.core) + solid.radius
-    if isinstance(solid, Box):
-        return geometry.norm(solid.size) / 2
-    if isinstance(solid, Cylinder):
-        return math.hypot(solid.length / 2, solid.radius)
-    return solid.radius
-
-
-def volume(solid: Solid | Capsule | RoundedBox) -> float:
-    """Return the volume."""
-    if isinstance(solid, Capsule | RoundedBox):
-        return round_solids.volume(solid)
-    if isinstance(solid, Box):
-        return math.prod(solid.size)
-    if isinstance(solid, Cylinder):
-        return math.pi * solid.radius**2 * solid.length
-    return 4 / 3 * math.pi * solid.radius**3
-
-
-def part(solid: Solid, fraction: float) -> Solid:
-    """Return the solid at this fraction of its height, such as a half; a sphere of its radius."""
-    if isinstance(solid, Box):
-        return replace(solid, size=(solid.size[0], solid.size[1], solid.size[2] * fraction))
-    if isinstance(solid, Cylinder):
-        return replace(solid, length=solid.length * fraction)
-    return replace(solid, radius=solid.radius * fraction)
-
-
-def inertia(solid: Solid | Capsule | RoundedBox, mass: float) -> Tensor:
-    """Return the inertia of a homogeneous solid about its centre.
-
-    Goldstein, Classical Mechanics, 3rd ed., chapter 5; any table of moments of inertia.
-    """
-    if isinstance(solid, Capsule | RoundedBox):
-        return round_solids.inertia(solid, mass)
-    if isinstance(solid, Box):
-        x, y, z = solid.size
-        moments = (mass * (y * y + z * z) / 12, mass * (x * x + z * z) / 12)
-        return (moments[0], 0.0, 0.0, moments[1], 0.0, mass * (x * x + y * y) / 12)
-    if isinstance(solid, Cylinder):
-        across = mass * (3 * solid.radius**2 + solid.length**2) / 12
-        return (across, 0.0, 0.0, across, 0.0, mass * solid.radius**2 / 2)
-    moment = 0.4 * mass * solid.radius**2
-    return (moment, 0.0, 0.0, moment, 0.0, moment)
-
-
-def part_inertia(solid: Solid, full: Tensor, fraction: float) -> Tensor:
-    """Return the inertia of `part(solid, f)` at f times the mass, when the full solid has `full`.
-
-    The part is the full body squeezed by a linear map A at equal density, up to a factor on the
-    mass, so its second moments S = ∫ρ r rᵀ are f A S A; inertia and second moments are related
-    by I = tr(S) 1 - S. For a homogeneous solid this equals `inertia(part(solid, f), f * mass)`.
+    The short body is the full one compressed by a linear map A, its mass scaled by f: its second
+    moments S = ∫ρ r rᵀ become f A S A. Inertia and second moments are related by I = tr(S) 1 - S.
+    For a homogeneous solid this equals `solid.shortened(f).inertia(f * mass)`.
     """
     if fraction == 1:
         return full
@@ -146,8 +185,8 @@ def part_inertia(solid: Solid, full: Tensor, fraction: float) -> Tensor:
     )
 
 
-def placed(inertial: Inertial, position: geometry.Vector, rotation: Matrix) -> Inertial:
-    """Return `inertial` seen from a frame in which its own frame has this pose."""
+def placed(inertial: Inertial, position: Vector, rotation: Matrix) -> Inertial:
+    """Return an inertial in the frame in which its own frame has this pose."""
     return Inertial(
         inertial.mass,
         geometry.add(position, geometry.rotate(rotation, inertial.centre)),
@@ -156,8 +195,8 @@ def placed(inertial: Inertial, position: geometry.Vector, rotation: Matrix) -> I
 
 
 def lumped(parts: tuple[Inertial, ...]) -> Inertial:
-    """Return one rigid body of several that share a frame (Steiner's theorem)."""
-    # fsum, because sum rounds in another way from Python 3.12 on, and the bytes shall be the same
+    """Return the inertial of several bodies in one frame, joined rigidly (Steiner's theorem)."""
+    # fsum: the sum of Python 3.12 rounds differently, and URDFs must not depend on the version
     mass = math.fsum(part.mass for part in parts)
     x, y, z = (math.fsum(part.mass * part.centre[i] for part in parts) / mass for i in range(3))
     centre = (x, y, z)

@@ -37,8 +37,8 @@ def _link(data: Mapping[str, Any]) -> Link:
     if data["shape_type"] == "urdf":
         return _link_of_urdf(data)
     solid = solid_from_dimensions(data)
-    mass = _mass(data, solids.volume(solid))
-    inertial = Inertial(mass, geometry.ZERO, solids.inertia(solid, mass))
+    mass = _mass(data, solid.volume)
+    inertial = Inertial(mass, geometry.ZERO, solid.inertia(mass))
     return Link("object", inertial, (placed_shape(solid),))
 
 
@@ -123,7 +123,7 @@ def _link_of_urdf(data: Mapping[str, Any]) -> Link:
     shapes = tuple(placed_shape(one.solid, one.position, one.rpy) for one in body.solids)
     inertial = urdf_inertial(body, data)
     if inertial is None:  # so it is fixed
-        ball = solids.inertia(solids.Sphere(1.0), PLACEHOLDER_MASS)
+        ball = solids.Sphere(1.0).inertia(PLACEHOLDER_MASS)
         inertial = Inertial(PLACEHOLDER_MASS, geometry.ZERO, ball)
     return Link("object", inertial, shapes)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 
-from somo_cli.manipulator import geometry, solids
+from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.dimensions import Dimension
 from somo_cli.manipulator.kinematics import ways
@@ -49,7 +49,7 @@ def reach(chain: Chain) -> float:
     """Return how far from its base frame's origin any shape of a chain can get [m], at most."""
     return max(
         (
-            way + geometry.norm(shape.position) + solids.circumradius(shape.solid)
+            way + geometry.norm(shape.position) + shape.solid.circumradius
             for way, link in zip(ways(chain), chain.links, strict=True)
             for shape in link.shapes
         ),

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from somo_cli.manipulator import geometry, solids
+from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.dimensions import (
     Angle,
@@ -71,7 +71,7 @@ def read_object(data: Mapping[str, Any]) -> RigidObject:
     """Return the object that a sound mapping describes."""
     name = str(data["name"])
     link = object_shapes.object_link(data)
-    height = max(solids.height(shape.solid) for shape in link.shapes)
+    height = max(shape.solid.height for shape in link.shapes)
     return RigidObject(
         name=name,
         chain=Chain(name, (link,), (), geometry.ZERO, height),

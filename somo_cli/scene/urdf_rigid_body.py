@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from somo_cli.document.validate import MAX_NUMBER
-from somo_cli.manipulator import geometry, solids
+from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.manipulator.round_solids import Capsule
@@ -323,8 +323,8 @@ def _solids(
     solid = _primitive(body, element)
     if solid is None:
         return (), None
-    volume = solids.volume(solid)
-    return (solid,), Inertial(volume, geometry.ZERO, solids.inertia(solid, volume))
+    volume = solid.volume
+    return (solid,), Inertial(volume, geometry.ZERO, solid.inertia(volume))
 
 
 def _primitive(body: UrdfRigidBody, element: XmlElement) -> Solid | Capsule | None:

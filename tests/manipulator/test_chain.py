@@ -106,7 +106,7 @@ def test_the_tip_is_where_the_backbone_ends() -> None:
         tip = straight_poses(chain)[-1].point(chain.tip)
         assert tip == pytest.approx((0.0, 0.0, chain.length), abs=1e-15)
         base = chain.links[0].shapes[0].solid if "base_definition" in data else None
-        length = solids.height(base) if base else 0.0
+        length = base.height if base else 0.0
         for one in data["actuator_definitions"]:
             link = one["link_definition"]
             along = {"box": 2, "stadium": 2, "cylinder": 0, "capsule": 0, "sphere": 0}
@@ -231,9 +231,7 @@ def test_every_link_has_its_solids_own_inertia(link: Data) -> None:
     for place in range(4):
         (shape,) = chain.links[place].shapes
         inertial = chain.links[place].inertial
-        assert inertial.inertia == pytest.approx(
-            solids.inertia(shape.solid, inertial.mass), rel=1e-14
-        )
+        assert inertial.inertia == pytest.approx(shape.solid.inertia(inertial.mass), rel=1e-14)
         assert inertial.centre == shape.position
 
 
@@ -249,7 +247,7 @@ def test_a_declared_inertia_is_used_as_declared() -> None:
     chain = chain_of(manipulator(actuator(2, X, link=link), base_definition={**link, "mass": 0.01}))
     full = chain.links[1].inertial
     assert full.inertia == tuple(declared)
-    half = solids.part_inertia(Box((0.023, 0.017, 0.02)), tuple(declared), 0.5)
+    half = solids.shortened_inertia(Box((0.023, 0.017, 0.02)), tuple(declared), 0.5)
     assert chain.links[2].inertial.inertia == pytest.approx(half, rel=1e-15)
     # base and first half link, lumped
     parts = [(0.01, 0.01, tuple(declared)), (0.0015, 0.025, half)]

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import trimesh
 
-from somo_cli.manipulator import round_solids, solids
 from somo_cli.manipulator.round_solids import Capsule, RoundedBox
 from somo_cli.manipulator.solids import Box, Sphere
 
@@ -29,37 +28,31 @@ def mesh_of(solid: Capsule | RoundedBox) -> trimesh.Trimesh:
 @pytest.mark.parametrize("solid", [CAPSULE, ROUNDED])
 def test_volume_and_inertia_are_those_of_a_mesh(solid: Capsule | RoundedBox) -> None:
     mesh = mesh_of(solid)
-    assert solids.volume(solid) == pytest.approx(mesh.volume, rel=2e-3)
+    assert solid.volume == pytest.approx(mesh.volume, rel=2e-3)
     mesh.density = 0.3 / mesh.volume
-    xx, xy, xz, yy, yz, zz = solids.inertia(solid, 0.3)
+    xx, xy, xz, yy, yz, zz = solid.inertia(0.3)
     found = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     assert np.allclose(found, mesh.moment_inertia, rtol=2e-3, atol=1e-6 * xx)
     # a mesh lies inside what is round, so it cannot be the larger one
-    assert solids.volume(solid) > mesh.volume
+    assert solid.volume > mesh.volume
 
 
 def test_a_capsule_without_length_is_a_ball() -> None:
-    found = round_solids.inertia(Capsule(1e-12, 0.02), 0.3)
-    assert found == pytest.approx(solids.inertia(Sphere(0.02), 0.3), rel=1e-9)
-    assert round_solids.volume(Capsule(1e-12, 0.02)) == pytest.approx(
-        solids.volume(Sphere(0.02)), rel=1e-9
-    )
+    found = Capsule(1e-12, 0.02).inertia(0.3)
+    assert found == pytest.approx(Sphere(0.02).inertia(0.3), rel=1e-9)
+    assert Capsule(1e-12, 0.02).volume == pytest.approx(Sphere(0.02).volume, rel=1e-9)
 
 
 def test_a_rounded_box_is_between_a_box_and_a_ball() -> None:
     size = (0.06, 0.05, 0.03)
     sharp = RoundedBox(size, 1e-12)
-    assert round_solids.inertia(sharp, 0.3) == pytest.approx(
-        solids.inertia(Box(size), 0.3), rel=1e-9
-    )
-    assert round_solids.volume(sharp) == pytest.approx(math.prod(size), rel=1e-9)
+    assert sharp.inertia(0.3) == pytest.approx(Box(size).inertia(0.3), rel=1e-9)
+    assert sharp.volume == pytest.approx(math.prod(size), rel=1e-9)
     ball = RoundedBox((0.06, 0.06, 0.06), 0.03)
-    assert round_solids.inertia(ball, 0.3) == pytest.approx(
-        solids.inertia(Sphere(0.03), 0.3), rel=1e-12
-    )
-    assert round_solids.volume(ball) == pytest.approx(solids.volume(Sphere(0.03)), rel=1e-12)
+    assert ball.inertia(0.3) == pytest.approx(Sphere(0.03).inertia(0.3), rel=1e-12)
+    assert ball.volume == pytest.approx(Sphere(0.03).volume, rel=1e-12)
 
 
 def test_heights() -> None:
-    assert solids.height(CAPSULE) == 0.1
-    assert solids.height(ROUNDED) == 0.03
+    assert CAPSULE.height == 0.1
+    assert ROUNDED.height == 0.03

@@ -117,7 +117,7 @@ def test_boxes_that_share_a_face_are_closed() -> None:
     (both,) = scene("face.yaml").objects
     inertial = both.chain.links[0].inertial
     assert inertial.centre == pytest.approx((0.5, 0, 0.5))
-    wanted = solids.inertia(solids.Box((2.0, 1.0, 1.0)), 1.0)
+    wanted = solids.Box((2.0, 1.0, 1.0)).inertia(1.0)
     assert inertial.inertia == pytest.approx(wanted, abs=1e-12)
 
 

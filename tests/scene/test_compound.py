@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from somo_cli.manipulator import geometry, solids
+from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Link
 from somo_cli.manipulator.round_solids import Capsule, RoundedBox
 from somo_cli.manipulator.solids import Inertial, Sphere
@@ -141,4 +141,4 @@ def test_a_body_is_placed_by_its_centre_of_mass_and_its_axes() -> None:
 def test_shapes_of_the_engine_are_counted() -> None:
     solid = [Sphere(1.0), Capsule(1.0, 1.0), RoundedBox((1.0, 1.0, 1.0), 0.1)]
     assert compound.shape_count(solid) == 5
-    assert solids.height(solid[1]) == 3
+    assert solid[1].height == 3

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from somo_cli.manipulator import solids
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.solids import Box
 from somo_cli.scene import mesh
@@ -60,13 +59,13 @@ def test_a_box_is_the_box_that_it_is(text: str, source: str, tolerance: float) -
         assert solid is not None
         assert solid.mass == pytest.approx(volume, rel=tolerance)
         assert solid.centre == pytest.approx(CENTRE, rel=tolerance)
-        six = solids.inertia(Box(SIZE), volume)
+        six = Box(SIZE).inertia(volume)
         assert solid.inertia == pytest.approx(six, rel=tolerance, abs=1e-9 * six[0])
     hull = found.hull
     distances = np.linalg.norm(np.array(hull.vertices)[:, None] - BOX, axis=2)
     assert len(hull.vertices) == 8
     assert distances.min(axis=0) == pytest.approx(np.zeros(8), abs=tolerance)
-    assert solids.height(hull) == pytest.approx(0.02, rel=1e-5)
+    assert hull.height == pytest.approx(0.02, rel=1e-5)
     points = np.array(hull.vertices)[np.array(hull.faces)]
     normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
     assert (np.sum(normals * (points[:, 0] - CENTRE), axis=1) > 0).all()
@@ -93,7 +92,7 @@ def test_a_mesh_is_scaled_along_its_axes() -> None:
     assert found.mesh_inertial is not None
     assert found.mesh_inertial.centre == pytest.approx((0.1, 0.4, 0.15))
     assert found.mesh_inertial.inertia == pytest.approx(
-        solids.inertia(Box((0.06, 0.08, 0.01)), 0.06 * 0.08 * 0.01), abs=1e-15
+        Box((0.06, 0.08, 0.01)).inertia(0.06 * 0.08 * 0.01), abs=1e-15
     )
 
 

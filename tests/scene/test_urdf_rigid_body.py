@@ -101,7 +101,7 @@ def test_a_mesh_may_be_mirrored() -> None:
     (found,) = urdf_rigid_body.read_rigid_body(
         text, "r.urdf", {"m.obj": MeshFile("m.obj", obj(BOX))}
     ).solids
-    assert solids.height(found.solid) == pytest.approx(0.04)
+    assert found.solid.height == pytest.approx(0.04)
 
 
 @pytest.mark.parametrize(

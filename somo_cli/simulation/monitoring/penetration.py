@@ -11,9 +11,6 @@ from dataclasses import dataclass
 
 from somo_cli.manipulator.chain import Link
 from somo_cli.manipulator.dimensions import Dimension
-from somo_cli.manipulator.hull import Hull
-from somo_cli.manipulator.round_solids import RoundedBox
-from somo_cli.manipulator.solids import AnySolid, Box, Cylinder
 from somo_cli.simulation.engine.interface import World
 from somo_cli.simulation.plan.model import Plan
 
@@ -74,17 +71,7 @@ def steps_between_samples(time_step: float, max_steps: int) -> int:
 
 def _thickness(link: Link) -> float:
     """Return the least extent of the thickest shape of a link; infinite where it has none."""
-    return max((_least_extent(shape.solid) for shape in link.shapes), default=float("inf"))
-
-
-def _least_extent(solid: AnySolid) -> float:
-    if isinstance(solid, Box | RoundedBox):
-        return min(solid.size)
-    if isinstance(solid, Hull):
-        return min(float(max(along) - min(along)) for along in zip(*solid.vertices, strict=True))
-    if isinstance(solid, Cylinder):
-        return min(solid.length, 2 * solid.radius)
-    return 2 * solid.radius
+    return max((shape.solid.smallest_extent for shape in link.shapes), default=float("inf"))
 
 
 def penetration_warning(found: Penetration, time_step: float) -> str:
