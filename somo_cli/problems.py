@@ -105,16 +105,26 @@ class InvalidFile(SomoError):
 class SimulationDiverged(SomoError):
     """The run left the region where its numbers mean anything, at `time` [s]."""
 
-    def __init__(self, step: int, time: float, joint: str, reason: str, hint: str = "") -> None:
+    def __init__(
+        self,
+        step: int,
+        time: float,
+        name: str,
+        reason: str,
+        hint: str = "",
+        kind: Literal["joint", "object"] = "joint",
+    ) -> None:
         self.step = step
         self.time = time
-        self.joint = joint
+        self.name = name
+        """Of the joint or the object, as `kind` says."""
         self.reason = reason
         self.hint = hint
-        super().__init__(step, time, joint, reason, hint)
+        self.kind = kind
+        super().__init__(step, time, name, reason, hint, kind)
 
     def __str__(self) -> str:
-        return f"step {self.step} ({self.time:g} s): joint '{self.joint}': {self.reason}"
+        return f"step {self.step} ({self.time:g} s): {self.kind} '{self.name}': {self.reason}"
 
 
 class EngineRefused(SomoError):

@@ -10,6 +10,7 @@ from somo_cli.simulation.engine.interface import World
 from somo_cli.simulation.integrator.body_stepper import BodyStepper
 from somo_cli.simulation.integrator.contact_prediction import ContactPrediction
 from somo_cli.simulation.integrator.kinematic_object import KinematicObjectStepper
+from somo_cli.simulation.integrator.object_rotation import ObjectRotations
 from somo_cli.simulation.integrator.refresh_policy import MONITORING_INTERVAL
 from somo_cli.simulation.monitoring.contact_events import ContactMonitor
 from somo_cli.simulation.plan.model import Plan
@@ -36,6 +37,7 @@ class SimulationLoop:
         self._plan = plan
         self._world = world
         self._body_steppers = body_steppers
+        self._rotations = ObjectRotations(plan, world)
         self._driven: list[DrivenBody] = [*body_steppers, *object_steppers]
         self._actuations = [one.actuate for one in self._driven]
         self._reads = [body_stepper.read_state for body_stepper in body_steppers]
@@ -109,11 +111,17 @@ class SimulationLoop:
 
     def _applies(self, step: int) -> list[Callable[[], None]]:
         """Return what applies the torques of a step, chosen anew at every monitoring interval."""
+        is_check = step % MONITORING_INTERVAL == 0
+        if is_check:
+            self._rotations.check()
+        own: list[Callable[[], None]]
         if self._prediction is not None:
-            return [partial(self._prediction.apply, step % MONITORING_INTERVAL == 0)]
-        if step % MONITORING_INTERVAL == 0:
-            return [body_stepper.apply_at_check for body_stepper in self._body_steppers]
-        return [body_stepper.apply_torques for body_stepper in self._body_steppers]
+            own = [partial(self._prediction.apply, is_check)]
+        elif is_check:
+            own = [body_stepper.apply_at_check for body_stepper in self._body_steppers]
+        else:
+            own = [body_stepper.apply_torques for body_stepper in self._body_steppers]
+        return [*own, *self._rotations.applies]
 
     def _is_steady(self, first: int, until: int) -> bool:
         """Whether nothing that acts changes after step `first` and before step `until`."""

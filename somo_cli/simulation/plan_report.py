@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from somo_cli.scene import columns
 from somo_cli.simulation import savings
+from somo_cli.simulation.integrator.object_rotation import ENERGY_GROWTH
 from somo_cli.simulation.integrator.refresh_policy import (
     FAST_REFRESH,
     MONITORING_INTERVAL,
@@ -41,6 +42,7 @@ def explain(plan: Plan) -> tuple[Decision, ...]:
         *_contact_decisions(plan),
         *_marker_decisions(plan),
         *_joint_decisions(plan),
+        *_rotation_decisions(plan),
         *_engine_decisions(plan),
         *_state_decisions(plan),
     )
@@ -143,6 +145,25 @@ def _joint_decisions(plan: Plan) -> Iterator[Decision]:
     yield Decision("prescribed motion", moved, "motion is given" if moved else "no motion is given")
     is_loaded = any(body.loads for body in plan.bodies)
     yield Decision("external loads", is_loaded, "loads are given" if is_loaded else "no loads")
+
+
+def _rotation_decisions(plan: Plan) -> Iterator[Decision]:
+    free = [one for one in plan.objects if not one.rigid_object.has_prescribed_pose]
+    if not free:
+        return
+    what = "gyroscopic torque of objects, to second order"
+    turning = [one.rigid_object.name for one in free if one.has_gyroscopic_torque]
+    if not turning:
+        why = "the moments of inertia of each are equal"
+        yield Decision(what, False, why, f"{_count(len(free), 'torque')} in every step")
+        return
+    why = (
+        f"of {', '.join(turning)}, while the engine alone would add more than "
+        f"{ENERGY_GROWTH:g} of its energy in a second, checked every {MONITORING_INTERVAL} steps"
+    )
+    equal = len(free) - len(turning)
+    saves = f"{_count(equal, 'object')} with equal moments" if equal else None
+    yield Decision(what, True, why, saves)
 
 
 def _motor_decision(plan: Plan) -> Decision:

@@ -16,6 +16,7 @@ from somo_cli.simulation.integrator.prescribed_base import PrescribedBaseStepper
 from somo_cli.simulation.loop import SimulationLoop
 from somo_cli.simulation.monitoring.contact_events import ContactEvent, ContactMonitor
 from somo_cli.simulation.monitoring.divergence import DivergenceMonitor
+from somo_cli.simulation.monitoring.object_motion import motions_of_objects
 from somo_cli.simulation.monitoring.penetration import Penetration, PenetrationMonitor
 from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.recording.row_assembler import RowAssembler, RowWriter
@@ -45,7 +46,10 @@ class Session:
         kinematic = _kinematic_objects(plan, world)
         begin(plan, world, self.steppers, kinematic)
         self.divergence = DivergenceMonitor(
-            plan, self.steppers, _input_by_objects(plan, world, kinematic)
+            plan,
+            self.steppers,
+            _input_by_objects(plan, world, kinematic),
+            motions_of_objects(plan, world),
         )
         self.assembler = (
             None

@@ -165,7 +165,7 @@ def test_a_run_that_diverges_stops(integrator: str, rate: float, at: int) -> Non
     world.at_step[STEPS_AT_START[integrator] + at] = kick
     ended = Ended(plan, world, 100)
     assert ended.error is not None
-    assert (ended.error.step, ended.error.joint) == (at, "a.actuator_0_joint_01")
+    assert (ended.error.step, ended.error.name) == (at, "a.actuator_0_joint_01")
     assert ended.error.time == pytest.approx(0.001 * at)
     # the rows before it, each once
     assert ended.times == pytest.approx([row / 1000 for row in range(at)], rel=1e-12)

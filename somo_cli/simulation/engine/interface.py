@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
 from somo_cli.arrays import Array
-from somo_cli.manipulator.geometry import Vector
+from somo_cli.manipulator.geometry import Matrix, Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.engine.contacts import ContactPoint, LinkIndex
 from somo_cli.simulation.engine.pressing import ContactReader
@@ -66,8 +66,25 @@ class WorldBody(Protocol):
 class WorldObject(Protocol):
     """What a run needs of one object, engine units."""
 
-    def reset(self, linear_velocity: Vector | None = None) -> None:
-        """Put the object at its start, with another velocity if given."""
+    principal_moments: Vector
+    """The moments of inertia about the principal axes; zeros if nothing can move it."""
+
+    principal_axes: Matrix
+    """The principal axes as columns, in the object's frame."""
+
+    def reset(
+        self, linear_velocity: Vector | None = None, principal_rate: Vector | None = None
+    ) -> None:
+        """Put the object at its start, with other velocities if given.
+
+        That of its centre is in the world, the angular one along its principal axes.
+        """
+
+    def principal_rate(self) -> Vector:
+        """Return the angular velocity [rad/s] along the principal axes."""
+
+    def apply_principal_torque(self, torque: Vector) -> None:
+        """Apply a torque, along the principal axes, during the next step."""
 
     def pose(self) -> Pose:
         """Return the pose of the object's frame in the world."""

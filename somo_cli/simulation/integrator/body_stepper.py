@@ -286,6 +286,16 @@ class BodyStepper:
         """Update the energy of the present state."""
         self.energy.update(self.law.angles, self.law.rates, self.mass)
 
+    def gravity_work(self) -> float:
+        """Return what gravity has given the body since its start; engine units, and slow."""
+        base = self.world_body.base_pose()
+        now = self.dynamics().at(self.law.angles, base).gravity_energy(self._gravity)
+        start = self.body.start
+        return (
+            self.dynamics().at(np.array(start.angles), start.pose).gravity_energy(self._gravity)
+            - now
+        )
+
     def count_step_work(self) -> None:
         """Count the work of the last step, in which the joints moved by their rates."""
         self._step_powers += self._working_torques.dot(self._rates)

@@ -35,7 +35,8 @@ class BodyEnergy:
         self._springs = springs
         self._weight = geometry.norm((gravity[0], gravity[1], gravity[2]))
         self._mass = sum(link.inertial.mass for link in body.chain.links)
-        self._given_energy = _energy_of_base(body) + self._weight * _fall_moment(body)
+        self._max_gravity_work = self._weight * _fall_moment(body)
+        self._given_energy = _energy_of_base(body) + self._max_gravity_work
         self._base_fall = 0.0
         self._start: tuple[float, float] | None = (
             None  # energy of the whole body, and its part in gravity
@@ -52,6 +53,13 @@ class BodyEnergy:
         if self._start is not None:
             return self._start[0] + self._max_work + self._gravity_work
         return self._given_energy + self._max_work + self._base_fall
+
+    @property
+    def input_energy(self) -> float:
+        """What was put in by all but gravity; of a whole body gravity's work is in it, too."""
+        if self._start is not None:
+            return self.bound
+        return self._given_energy - self._max_gravity_work + self._max_work
 
     def update(self, angles: Array, rates: Array, mass: Array) -> None:
         """Update with angles and rates, shape (n,), and the joint-space inertia, shape (n, n)."""
@@ -111,10 +119,11 @@ class BodyEnergy:
 class ObjectEnergyBound:
     """An upper bound on the energy that objects can have given to the joints; engine units.
 
-    It is their energy at the start, and what gravity can have added over the distance they moved.
+    It is their energy at the start, and what gravity can have added on the way down from there.
     """
 
     def __init__(self, plan: Plan, objects: Sequence[WorldObject]) -> None:
+        self._gravity = plan.gravity
         self._weight = geometry.norm(plan.gravity)
         self._free: list[tuple[WorldObject, float, Vector, float]] = []
         self._start_energy = 0.0
@@ -135,13 +144,16 @@ class ObjectEnergyBound:
         """Return the bound at the present instant."""
         if self._free:
             gravity_work = sum(
-                mass
-                * self._weight
-                * (geometry.norm(geometry.subtract(one.pose().position, start)) + offset)
+                mass * (max(0.0, self._fall(one, start)) + self._weight * offset)
                 for one, mass, start, offset in self._free
             )
             self._gravity_work = max(self._gravity_work, gravity_work)
         return self._start_energy + self._gravity_work
+
+    def _fall(self, one: WorldObject, start: Vector) -> float:
+        """Return what gravity has given an object since its start, for each unit of its mass."""
+        moved = geometry.subtract(one.pose().position, start)
+        return sum(way * pull for way, pull in zip(moved, self._gravity, strict=True))
 
 
 def _square(vector: Vector) -> float:

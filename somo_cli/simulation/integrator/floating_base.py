@@ -82,6 +82,10 @@ class FloatingBaseStepper(BodyStepper):
         kinetic = pose.kinetic_energy([*spin, *velocity, *law.rates])
         self.energy.set_whole_energy(kinetic, pose.gravity_energy(self._gravity))
 
+    def gravity_work(self) -> float:
+        """Return nothing: the energy of the whole body counts it."""
+        return 0.0
+
     def apply(self, torques: Sequence[float]) -> None:
         """Apply torques of the law, and what of the loads the law cannot know."""
         if self.loads is not None:

@@ -9,6 +9,7 @@ import numpy as np
 from somo_cli.arrays import Array
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.problems import EngineRefused
+from somo_cli.simulation.dynamics.gyroscopic import rate_half_step_before
 from somo_cli.simulation.dynamics.modal import MIN_JOINT_INERTIA, articulated_inertia
 from somo_cli.simulation.engine.interface import World
 from somo_cli.simulation.integrator.body_stepper import BodyStepper
@@ -42,6 +43,7 @@ def begin(
         body_stepper.linearize()
     bases = [body_stepper.world_body.base_velocity() for body_stepper in body_steppers]
     velocities = [world_object.velocity()[0] for world_object in world.objects]
+    object_rates = [world_object.principal_rate() for world_object in world.objects]
     rates = [body_stepper.law.rates.copy() for body_stepper in body_steppers]
     forces = []
     for body_stepper in body_steppers:
@@ -56,12 +58,24 @@ def begin(
         _half_step_before(before, world_object.velocity()[0])
         for before, world_object in zip(velocities, world.objects, strict=True)
     ]
+    half_step_rates = [
+        rate_half_step_before(
+            world_object.principal_moments, rate, world_object.principal_rate(), plan.time_step
+        )
+        if planned.has_gyroscopic_torque
+        else None
+        for planned, world_object, rate in zip(
+            plan.objects, world.objects, object_rates, strict=True
+        )
+    ]
     for world_object in world.objects:
         world_object.reset()
     if plan.integrator == "implicit":
         _set_half_step_velocities(plan, world, body_steppers, forces, bases)
-        for world_object, velocity in zip(world.objects, halved, strict=True):
-            world_object.reset(velocity)
+        for world_object, velocity, rate in zip(
+            world.objects, halved, half_step_rates, strict=True
+        ):
+            world_object.reset(velocity, rate)
     for body_stepper, force, before in zip(body_steppers, forces, rates, strict=True):
         body_stepper.set_start_force(force, before)
 

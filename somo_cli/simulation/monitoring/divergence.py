@@ -14,10 +14,13 @@ from typing import NoReturn, Protocol
 import numpy as np
 
 from somo_cli.arrays import Array
+from somo_cli.manipulator import geometry
 from somo_cli.problems import SimulationDiverged
 from somo_cli.simulation.dynamics.modal import largest_explicit_step
 from somo_cli.simulation.integrator.energy_bound import BodyEnergy
+from somo_cli.simulation.monitoring.object_motion import ObjectMotion
 from somo_cli.simulation.plan.model import Body, Plan
+from somo_cli.simulation.plan.units import unit_factors_of
 
 MAX_ANGLE_PER_STEP = math.pi  # rad; beyond, a joint's motion cannot be told from its alias
 # energy over what was put in; an integrator at its accuracy limit stays well below 2
@@ -58,6 +61,9 @@ class BodyInMotion(Protocol):
 class MeasurableBody(BodyInMotion, Protocol):
     """A body whose speed and energy can be measured."""
 
+    def gravity_work(self) -> float:
+        """Return what gravity has given it, where its `input_energy` does not count that."""
+
     def measure(self) -> None:
         """Measure speed and energy at the present instant."""
 
@@ -83,9 +89,11 @@ class DivergenceMonitor:
         plan: Plan,
         bodies: Sequence[MeasurableBody],
         object_energy: Callable[[], float] = lambda: 0.0,
+        objects: Sequence[ObjectMotion] = (),
     ) -> None:
         self._plan = plan
         self._bodies = bodies
+        self._objects = objects
         self._read_object_energy = object_energy
         self._object_energy = 0.0
 
@@ -93,8 +101,11 @@ class DivergenceMonitor:
         """Measure every body; raise SimulationDiverged as `check` does."""
         for one in self._bodies:
             one.measure()
+        for moving in self._objects:
+            moving.measure()
         self._object_energy = self._read_object_energy()
         check(step, self._plan, self._bodies, self._object_energy)
+        check_objects(step, self._plan, self._objects, self._bodies, self._object_energy)
 
     def count_valid_rows(self, histories: Sequence[StateHistory]) -> int:
         """Return the number of rows before the first invalid one; histories of all bodies."""
@@ -135,11 +146,51 @@ def check(
         _raise_diverged(step, plan, bodies)
 
 
+def check_objects(
+    step: int,
+    plan: Plan,
+    objects: Sequence[ObjectMotion],
+    bodies: Sequence[MeasurableBody],
+    object_energy: float,
+) -> None:
+    """Raise SimulationDiverged if objects have more kinetic energy than was put into the scene.
+
+    That is counted closely, without what gravity could give to bodies that fell as far as they can,
+    because one light object in a heavy scene may be fast enough to be useless with little of it. An
+    object that turns too far in a step counts as diverged, too, and so does a state that is NaN.
+    """
+    for one in objects:
+        angle = one.rate * plan.time_step
+        if not angle < one.max_angle:
+            _raise_object_diverged(step, plan, one, f"it turns {angle:.3g} rad in one step")
+    present = sum(one.energy for one in objects)
+    ratio = _max_energy_ratio(plan)
+    bound = ratio * (object_energy + sum(one.energy.input_energy for one in bodies))
+    bound += sum(one.energy.floor for one in bodies) + sum(one.floor for one in objects)
+    if not present <= bound:
+        bound += ratio * sum(max(0.0, one.gravity_work()) for one in bodies)
+    if not present <= bound:
+        fastest = max(objects, key=lambda one: one.energy if one.energy >= 0 else math.inf)
+        speed = geometry.norm(fastest.world_object.velocity()[0]) / unit_factors_of(plan).length
+        _raise_object_diverged(
+            step, plan, fastest, f"it moves at {speed:.3g} m/s, with more energy than was put in"
+        )
+
+
+def _raise_object_diverged(step: int, plan: Plan, one: ObjectMotion, reason: str) -> NoReturn:
+    hint = f"try half the step, --time-step {plan.time_step / 2:g}"
+    raise SimulationDiverged(step, step * plan.time_step, one.name, reason, hint, "object")
+
+
 def _bound(plan: Plan, bodies: Sequence[BodyInMotion], object_energy: float) -> float:
-    ratio = MAX_ENERGY_RATIO_EXPLICIT if plan.integrator == "explicit" else MAX_ENERGY_RATIO
+    ratio = _max_energy_ratio(plan)
     return ratio * object_energy + sum(
         ratio * one.energy.bound + one.energy.floor for one in bodies
     )
+
+
+def _max_energy_ratio(plan: Plan) -> float:
+    return MAX_ENERGY_RATIO_EXPLICIT if plan.integrator == "explicit" else MAX_ENERGY_RATIO
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,6 +29,8 @@ from somo_cli.scene.rigid_object import ObjectQuantity, RigidObject
 from somo_cli.scene.signals import PiecewiseSignal, Signal
 from somo_cli.scene.stop_conditions import StopCondition
 
+EQUAL_MOMENTS = 1e-9
+"""Relative difference between moments of inertia that is rounding."""
 
 @dataclass(frozen=True, slots=True)
 class ActuatorTorque:
@@ -113,6 +115,16 @@ class PlannedObject:
     urdf: str
     compound: Compound | None = None
     path: PosePath | None = None
+
+    @property
+    def has_gyroscopic_torque(self) -> bool:
+        """Whether it can turn freely and its moments of inertia differ by more than rounding."""
+        if self.rigid_object.has_prescribed_pose:
+            return False
+        least, _, most = geometry.principal_moments(
+            self.rigid_object.chain.links[0].inertial.inertia
+        )
+        return most - least > EQUAL_MOMENTS * most
 
 
 @dataclass(frozen=True, slots=True)

@@ -128,6 +128,11 @@ class RowAssembler:
             part.fill(table, self._contacts[:valid])
             part.clear()
         self._steps, self._contacts, self._complete_rows = [], [], 0
+        # an object of which nothing finite is left ends the run at the next check
+        finite = np.isfinite(table).all(axis=0)
+        if not finite.all():
+            table = table[:, : int(finite.argmin())]
+            valid = rows = table.shape[1]
         self.written += valid
         if valid:
             self._write(table.T)

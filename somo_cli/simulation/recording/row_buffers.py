@@ -13,6 +13,7 @@ from somo_cli.manipulator.kinematics import Pose
 from somo_cli.scene import columns
 from somo_cli.scene.columns import BodyColumnGroup, ObjectColumnGroup
 from somo_cli.simulation.dynamics.forward_kinematics import ForwardKinematics
+from somo_cli.simulation.dynamics.gyroscopic import mean_rates
 from somo_cli.simulation.engine.contacts import ContactPoint
 from somo_cli.simulation.engine.interface import WorldObject
 from somo_cli.simulation.integrator.body_stepper import BodyStepper
@@ -145,9 +146,16 @@ class ObjectRowBuffer:
         self._number = len(plan.bodies) + index
         self._others = plan.recorded.contact_partners(self._number)
         kinds = {group.quantity for group in groups}
-        self._records_pose = not _NEEDS_POSE.isdisjoint(kinds)
         self.needs_velocities = "velocity" in kinds
         """Whether a column needs velocities at the instant of its row."""
+        self._time_step = plan.time_step
+        # of a body whose moments differ, the mean momentum at the row's pose tells the rate
+        self._averages_momenta = (
+            self.needs_velocities
+            and plan.integrator == "implicit"
+            and plan.objects[index].has_gyroscopic_torque
+        )
+        self._records_pose = self._averages_momenta or not _NEEDS_POSE.isdisjoint(kinds)
         self._rotation_counter = (
             RotationCounter(rigid_object.pose().rotation) if "angles" in kinds else None
         )
@@ -189,13 +197,31 @@ class ObjectRowBuffer:
             self._number,
             self._others,
             self._poses[:rows],
-            mean_velocities(self._velocities[:rows], self._velocities_after),
+            self._row_velocities(rows),
             self._total_rotations[:rows],
             contacts,
         )
         for group in self._groups:
             values = object_values.OBJECT_VALUES[group.quantity](states, self._units)
             table[group.first : group.last] = select_values(group, values)
+
+    def _row_velocities(self, rows: int) -> list[tuple[Vector, Vector]]:
+        """Return the velocity of its centre and its angular velocity in so many rows."""
+        before, after = self._velocities[:rows], self._velocities_after[:rows]
+        means = mean_velocities(before, after)
+        if not (self._averages_momenta and after):
+            return means
+        world_object = self._object
+        rotations = np.array([pose.rotation for pose in self._poses[:rows]])
+        rates = mean_rates(
+            world_object.principal_moments,
+            rotations @ np.array(world_object.principal_axes),
+            np.array([angular for _, angular in before]),
+            np.array([angular for _, angular in after]),
+            self._time_step,
+        )
+        own = map(geometry.vector, rates.tolist())
+        return [(linear, angular) for (linear, _), angular in zip(means, own, strict=True)]
 
 
 def select_values(group: BodyColumnGroup | ObjectColumnGroup, values: Array) -> Array:

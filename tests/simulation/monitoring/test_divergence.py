@@ -154,7 +154,7 @@ def test_the_alarm_comes_while_numbers_still_mean_something(
     assert np.isfinite(rows).all()
     assert np.abs(np.array(rows)[:, 1:6]).max() < 2 * math.pi
     assert error.time == pytest.approx(error.step * plan.time_step)
-    assert re.fullmatch(r"planar_finger\.actuator_0_joint_0[1-5]", error.joint)
+    assert re.fullmatch(r"planar_finger\.actuator_0_joint_0[1-5]", error.name)
 
 
 @pytest.mark.parametrize("factor", [1.1, 2.0, 1e2])
@@ -193,7 +193,7 @@ def test_the_joint_that_diverges_is_named() -> None:
         ],
     }
     error, _ = diverged(make_plan(scene_from_text(json.dumps(scene), "time_step=0.0003")), 500)
-    assert error.joint == "wild.actuator_0_joint_03"
+    assert error.name == "wild.actuator_0_joint_03"
 
 
 def test_the_advice_for_the_other_integrators() -> None:
@@ -241,7 +241,7 @@ def test_what_is_not_a_number_is_noticed_and_named() -> None:
     divergence.check(0, plan, [still, still])
     with pytest.raises(SimulationDiverged) as caught:
         divergence.check(7, plan, [still, lost])
-    assert caught.value.joint == "b.actuator_0_joint_02"
+    assert caught.value.name == "b.actuator_0_joint_02"
 
 
 def test_energy_of_one_body_may_come_from_another() -> None:
@@ -321,7 +321,7 @@ def test_rows_before_the_first_that_is_refused_are_sound() -> None:
         )
         with pytest.raises(SimulationDiverged) as caught:
             monitor.raise_diverged(7, [calm, swift], 2)
-        assert (caught.value.step, caught.value.joint) == (7, "b.actuator_0_joint_01")
+        assert (caught.value.step, caught.value.name) == (7, "b.actuator_0_joint_01")
     bent = history_of([NEUTRAL, 4.0], [0.0, 0.0])  # fast enough, but more than was put in
     assert monitor.count_valid_rows([calm, history_of([NEUTRAL] * 5, [0.1] * 5)]) == 5
     assert monitor.count_valid_rows([bent, history_of([NEUTRAL] * 2, [0.0] * 2)]) == 1

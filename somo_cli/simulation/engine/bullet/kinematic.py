@@ -97,9 +97,11 @@ class KinematicObject(BulletObject):
         self._velocity = (geometry.ZERO, geometry.ZERO)
         self.engine.resetBaseVelocity(self.index, *self._velocity)
 
-    def reset(self, linear_velocity: Vector | None = None) -> None:
+    def reset(
+        self, linear_velocity: Vector | None = None, principal_rate: Vector | None = None
+    ) -> None:
         """Put the object at its start; its velocity stays what it was told last."""
-        super().reset(linear_velocity)
+        super().reset(linear_velocity, principal_rate)
         self.engine.resetBaseVelocity(self.index, *self._velocity)
 
 

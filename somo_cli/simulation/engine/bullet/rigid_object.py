@@ -52,10 +52,24 @@ class BulletObject:
             mismatches = object_mismatches(engine, self.index, planned)
             if mismatches:
                 raise EngineRefused(self._object.name, "; ".join(mismatches))
+        # seen in 3.2.7: the pose that the engine tells is that of these moments' axes
+        self.principal_moments: Vector = (
+            geometry.ZERO
+            if self._object.has_prescribed_pose
+            else engine.getDynamicsInfo(self.index, -1)[2]
+        )
+        self.principal_axes: Matrix = (
+            self._principal_frame.rotation if self._principal_frame else geometry.IDENTITY
+        )
         self.reset()
 
-    def reset(self, linear_velocity: Vector | None = None) -> None:
-        """Put the object at its start, with another velocity if given."""
+    def reset(
+        self, linear_velocity: Vector | None = None, principal_rate: Vector | None = None
+    ) -> None:
+        """Put the object at its start, with other velocities if given.
+
+        That of its centre is in the world, the angular one along its principal axes.
+        """
         planned_object = self._object
         start = self.to_engine(planned_object.pose)
         self.engine.resetBasePositionAndOrientation(
@@ -63,11 +77,31 @@ class BulletObject:
             start.position,
             geometry.quaternion_from_rotation(start.rotation),
         )
+        angular_velocity = planned_object.angular_velocity
+        if principal_rate is not None:
+            angular_velocity = geometry.rotate(start.rotation, principal_rate)
         self.engine.resetBaseVelocity(
             self.index,
             linear_velocity or planned_object.linear_velocity,
-            planned_object.angular_velocity,
+            angular_velocity,
         )
+
+    def principal_rate(self) -> Vector:
+        """Return the angular velocity [rad/s] along the principal axes."""
+        _, (x, y, z, w) = self.engine.getBasePositionAndOrientation(self.index)
+        _, (vx, vy, vz) = self.engine.getBaseVelocity(self.index)
+        # turned by the conjugate, v + 2 q x (q x v - w v): half of the time of a matrix
+        tx, ty, tz = y * vz - z * vy - w * vx, z * vx - x * vz - w * vy, x * vy - y * vx - w * vz
+        return (
+            vx + 2 * (y * tz - z * ty),
+            vy + 2 * (z * tx - x * tz),
+            vz + 2 * (x * ty - y * tx),
+        )
+
+    def apply_principal_torque(self, torque: Vector) -> None:
+        """Apply a torque, along the principal axes, during the next step."""
+        frame = self.engine.LINK_FRAME
+        self.engine.applyExternalTorque(self.index, -1, torque, frame)
 
     def to_engine(self, frame: Pose) -> Pose:
         """Return what the engine takes for a pose of the object's frame: that of its axes."""
