@@ -7,7 +7,10 @@ from dataclasses import dataclass
 
 from somo_cli.scene import columns
 from somo_cli.simulation import savings
-from somo_cli.simulation.integrator.object_rotation import ENERGY_GROWTH
+from somo_cli.simulation.integrator.object_rotation import (
+    ACCELERATION_ERROR,
+    ENERGY_GROWTH,
+)
 from somo_cli.simulation.integrator.refresh_policy import (
     FAST_REFRESH,
     MONITORING_INTERVAL,
@@ -158,8 +161,9 @@ def _rotation_decisions(plan: Plan) -> Iterator[Decision]:
         yield Decision(what, False, why, f"{_count(len(free), 'torque')} in every step")
         return
     why = (
-        f"of {', '.join(turning)}, while the engine alone would add more than "
-        f"{ENERGY_GROWTH:g} of its energy in a second, checked every {MONITORING_INTERVAL} steps"
+        f"of {', '.join(turning)}, while the engine alone would be off by "
+        f"{ACCELERATION_ERROR:g} rad/s² or add {ENERGY_GROWTH:g} of the energy in a second, "
+        f"checked every {MONITORING_INTERVAL} steps"
     )
     equal = len(free) - len(turning)
     saves = f"{_count(equal, 'object')} with equal moments" if equal else None

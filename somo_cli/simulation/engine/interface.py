@@ -89,6 +89,9 @@ class WorldObject(Protocol):
     def pose(self) -> Pose:
         """Return the pose of the object's frame in the world."""
 
+    def centre(self) -> Vector:
+        """Return the position of its centre of mass in the world."""
+
     def velocity(self) -> tuple[Vector, Vector]:
         """Return the velocity of its centre and its angular velocity, in the world."""
 

@@ -10,7 +10,7 @@ import numpy as np
 from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
-from somo_cli.manipulator.kinematics import ways
+from somo_cli.manipulator.kinematics import Pose, ways
 from somo_cli.simulation.engine.interface import WorldObject
 from somo_cli.simulation.plan.joint_springs import JointSprings
 from somo_cli.simulation.plan.model import Body, Plan
@@ -124,36 +124,37 @@ class ObjectEnergyBound:
 
     def __init__(self, plan: Plan, objects: Sequence[WorldObject]) -> None:
         self._gravity = plan.gravity
-        self._weight = geometry.norm(plan.gravity)
-        self._free: list[tuple[WorldObject, float, Vector, float]] = []
+        # with the weight and the potential of each at the start, for a unit of mass
+        self._free: list[tuple[WorldObject, float, float]] = []
         self._start_energy = 0.0
         for one, planned in zip(objects, plan.objects, strict=True):
             rigid_object = planned.rigid_object
             if rigid_object.has_prescribed_pose:
                 continue
             inertial = rigid_object.chain.links[0].inertial
-            # a centre of mass off the frame's origin can fall that far while the origin stays
-            offset = 2 * geometry.norm(inertial.centre)
-            self._free.append((one, inertial.mass, rigid_object.position, offset))
+            frame = Pose(rigid_object.position, geometry.rotation_from_rpy(rigid_object.rpy))
+            self._free.append((one, inertial.mass, self._height(frame.point(inertial.centre))))
             translational = 0.5 * inertial.mass * _square(rigid_object.linear_velocity)
-            rotational = 0.5 * max(inertial.inertia) * _square(rigid_object.angular_velocity)
+            rotational = (
+                0.5
+                * geometry.principal_moments(inertial.inertia)[2]
+                * _square(rigid_object.angular_velocity)
+            )
             self._start_energy += translational + rotational
         self._gravity_work = 0.0
 
     def energy_bound(self) -> float:
         """Return the bound at the present instant."""
-        if self._free:
-            gravity_work = sum(
-                mass * (max(0.0, self._fall(one, start)) + self._weight * offset)
-                for one, mass, start, offset in self._free
-            )
-            self._gravity_work = max(self._gravity_work, gravity_work)
+        gravity_work = 0.0
+        for one, mass, start in self._free:
+            gravity_work += max(0.0, mass * (start - self._height(one.centre())))
+        self._gravity_work = max(self._gravity_work, gravity_work)
         return self._start_energy + self._gravity_work
 
-    def _fall(self, one: WorldObject, start: Vector) -> float:
-        """Return what gravity has given an object since its start, for each unit of its mass."""
-        moved = geometry.subtract(one.pose().position, start)
-        return sum(way * pull for way, pull in zip(moved, self._gravity, strict=True))
+    def _height(self, point: Vector) -> float:
+        """Return the potential of gravity at a point, for each unit of mass."""
+        (x, y, z), (gx, gy, gz) = point, self._gravity
+        return -(x * gx + y * gy + z * gz)
 
 
 def _square(vector: Vector) -> float:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 
+from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.simulation.dynamics.gyroscopic import (
     gyroscopic_acceleration,
@@ -13,7 +15,10 @@ from somo_cli.simulation.dynamics.gyroscopic import (
 from somo_cli.simulation.engine.interface import World, WorldObject
 from somo_cli.simulation.plan.model import Plan
 
-ENERGY_GROWTH = 2e-5  # 1/s: the relative growth of energy that is left to the engine
+ENERGY_GROWTH = 2e-5  # 1/s: the relative growth of energy that is left to the engine alone,
+ACCELERATION_ERROR = (
+    1e-4  # rad/s²: as long as its angular acceleration is not further off than this
+)
 SMOOTH = 5e-3  # rad: what a change of rate in a step, times the step, is below without impacts
 
 
@@ -24,14 +29,21 @@ class RotatingObject:
         self._object = world_object
         self._moments = world_object.principal_moments
         self._time_step = time_step
+        self._slow_squared = _slow_rate(self._moments, time_step) ** 2
         # at the start of the last step, and the rate that it was to have; None if it had no torque
         self._last: tuple[Vector, Vector] | None = None
 
     def needs_torque(self) -> bool:
-        """Return whether the engine alone would add energy faster than ENERGY_GROWTH."""
-        moments, rate = self._moments, self._object.principal_rate()
-        gain = _twice_energy(moments, gyroscopic_acceleration(moments, rate))
-        return self._time_step * gain > ENERGY_GROWTH * _twice_energy(moments, rate)
+        """Return whether the engine alone would add energy, or be off, by more than it may."""
+        _, (x, y, z) = self._object.velocity()
+        if x * x + y * y + z * z < self._slow_squared:
+            return False
+        moments, rate, step = self._moments, self._object.principal_rate(), self._time_step
+        acceleration = gyroscopic_acceleration(moments, rate)
+        # evaluated half a step too early, while the axes turn with the body
+        error = 0.5 * step * geometry.norm(rate) * geometry.norm(acceleration)
+        gain = step * _twice_energy(moments, acceleration)
+        return error > ACCELERATION_ERROR or gain > ENERGY_GROWTH * _twice_energy(moments, rate)
 
     def forget(self) -> None:
         """Forget the last step, after which there is one without a torque."""
@@ -99,3 +111,13 @@ class ObjectRotations:
 def _twice_energy(moments: Vector, rate: Vector) -> float:
     (a, b, c), (x, y, z) = moments, rate
     return a * x * x + b * y * y + c * z * z
+
+
+def _slow_rate(moments: Vector, time_step: float) -> float:
+    """Return a rate [rad/s] below which no torque is needed, about whatever axis a body turns."""
+    least, most = min(moments), max(moments)
+    # times the square of the rate, the gyroscopic acceleration is no more
+    coupling = (most - least) / least
+    by_error: float = (2 * ACCELERATION_ERROR / (time_step * coupling)) ** (1 / 3)
+    by_energy = math.sqrt(ENERGY_GROWTH * least / (time_step * most)) / coupling
+    return min(by_error, by_energy)

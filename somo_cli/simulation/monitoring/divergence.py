@@ -163,17 +163,22 @@ def check_objects(
         angle = one.rate * plan.time_step
         if not angle < one.max_angle:
             _raise_object_diverged(step, plan, one, f"it turns {angle:.3g} rad in one step")
-    present = sum(one.energy for one in objects)
     ratio = _max_energy_ratio(plan)
     bound = ratio * (object_energy + sum(one.energy.input_energy for one in bodies))
     bound += sum(one.energy.floor for one in bodies) + sum(one.floor for one in objects)
-    if not present <= bound:
-        bound += ratio * sum(max(0.0, one.gravity_work()) for one in bodies)
-    if not present <= bound:
-        fastest = max(objects, key=lambda one: one.energy if one.energy >= 0 else math.inf)
-        speed = geometry.norm(fastest.world_object.velocity()[0]) / unit_factors_of(plan).length
+    # what is quick to tell comes first, and is enough but for what is suspicious
+    if sum(one.energy_bound for one in objects) <= bound:
+        return
+    energies = [one.energy() for one in objects]
+    if not sum(energies) <= bound + ratio * sum(max(0.0, one.gravity_work()) for one in bodies):
+        culprit = objects[_index_of_largest(np.array(energies))]
+        speed = geometry.norm(culprit.world_object.velocity()[0]) / unit_factors_of(plan).length
         _raise_object_diverged(
-            step, plan, fastest, f"it moves at {speed:.3g} m/s, with more energy than was put in"
+            step,
+            plan,
+            culprit,
+            f"it moves at {speed:.3g} m/s and turns at {culprit.rate:.3g} rad/s, with more energy "
+            "than was put in",
         )
 
 

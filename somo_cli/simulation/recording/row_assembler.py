@@ -49,6 +49,7 @@ class RowAssembler:
             columns.body_column_groups(plan.recorded),
             columns.object_column_groups(plan.recorded),
         )
+        self._first_of_objects = max((group.last for group in groups), default=1)
         self._width = len(columns.header(plan.recorded))
         self._capacity = max(1, min(MAX_ROWS_PER_BATCH, NUMBERS_PER_BATCH // self._width))
         buffer_size = (
@@ -128,13 +129,11 @@ class RowAssembler:
             part.fill(table, self._contacts[:valid])
             part.clear()
         self._steps, self._contacts, self._complete_rows = [], [], 0
-        # an object of which nothing finite is left ends the run at the next check
-        finite = np.isfinite(table).all(axis=0)
-        if not finite.all():
-            table = table[:, : int(finite.argmin())]
-            valid = rows = table.shape[1]
-        self.written += valid
-        if valid:
-            self._write(table.T)
+        # an object whose state is NaN ends the run at the next check
+        is_finite = np.isfinite(table[self._first_of_objects :]).all(axis=0)
+        written = valid if is_finite.all() else int(is_finite.argmin())
+        self.written += written
+        if written:
+            self._write(table[:, :written].T)
         if valid < rows:
             self._divergence_monitor.raise_diverged(steps[valid], histories, valid)

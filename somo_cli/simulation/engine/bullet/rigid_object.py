@@ -139,6 +139,11 @@ class BulletObject:
             inverse[3:, 3:] = np.eye(3) / told[0]
         return centre, inverse
 
+    def centre(self) -> Vector:
+        """Return the position of its centre of mass in the world."""
+        position: Vector = self._bullet.getBasePositionAndOrientation(self.index, self._client)[0]
+        return position
+
     def velocity(self) -> tuple[Vector, Vector]:
         """Return the velocity of its centre and its angular velocity, in the world."""
         linear, angular = self.engine.getBaseVelocity(self.index)

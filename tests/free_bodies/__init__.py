@@ -1,0 +1,1 @@
+"""Rigid bodies that spin, free and rolling, against closed forms: `python -m tests.free_bodies`."""
