@@ -183,7 +183,7 @@ def test_an_object_thrown_in_a_heavy_scene_ends_the_run_at_the_next_check(
             step()
             count += 1
             if count == 20:
-                world._bullet.resetBaseVelocity(
+                world.engine.resetBaseVelocity(
                     world.objects[0].index, [100.0 if value > 0 else value] * 3, [0, 0, 0]
                 )
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.dimensions import (
     Acceleration,
@@ -31,6 +32,7 @@ from somo_cli.scene.stop_conditions import StopCondition
 
 EQUAL_MOMENTS = 1e-9
 """Relative difference between moments of inertia that is rounding."""
+
 
 @dataclass(frozen=True, slots=True)
 class ActuatorTorque:

@@ -141,7 +141,7 @@ class BulletObject:
 
     def centre(self) -> Vector:
         """Return the position of its centre of mass in the world."""
-        position: Vector = self._bullet.getBasePositionAndOrientation(self.index, self._client)[0]
+        position: Vector = self.engine.getBasePositionAndOrientation(self.index)[0]
         return position
 
     def velocity(self) -> tuple[Vector, Vector]:
