@@ -12,7 +12,7 @@ import pytest
 from somo_cli.problems import SimulationDiverged
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.integrator.object_rotation import ObjectRotations, RotatingObject
-from somo_cli.simulation.plan.model import make_plan
+from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan_report import explain
 from somo_cli.simulation.run import run
 from tests.free_bodies.bodies import Spinning, simulated_motion
