@@ -96,7 +96,7 @@ def test_without_a_definition_a_joint_is_written(somo: Somo, here: Path) -> None
     assert somo("check", "made.yaml").returncode == 0
 
 
-def test_a_definition_alone_tells_its_tip_stiffness(somo: Somo, here: Path) -> None:
+def test_a_definition_alone_reports_its_tip_stiffness(somo: Somo, here: Path) -> None:
     ended = somo("calibrate", "stiffness", "finger.yaml", "--axis", "1", "--json")
     assert (ended.returncode, ended.stderr) == (0, "")
     about = json.loads(ended.stdout)
@@ -142,7 +142,7 @@ def test_several_pressures_make_a_line(somo: Somo, here: Path) -> None:
     assert len(about["residuals"]) == 5
 
 
-def test_an_offset_of_the_line_is_told(somo: Somo, here: Path) -> None:
+def test_an_offset_of_the_line_is_reported(somo: Somo, here: Path) -> None:
     text = "pressure_pa,force_n\n1e4,0\n2e4,0.1\n3e4,0.201\n4e4,0.3\n"
     (here / "p.csv").write_text(text, "utf-8")
     said = somo("calibrate", "torque", "finger.yaml", "--data", "p.csv").stderr
@@ -172,14 +172,14 @@ def test_a_ring_down_gives_damping(somo: Somo, here: Path) -> None:
     assert joint["spring_damping"] / 0.117045 == pytest.approx(2 * ratio / 15.659, rel=1e-4)
 
 
-def test_a_ring_down_at_another_frequency_is_doubted(somo: Somo, here: Path) -> None:
+def test_a_ring_down_at_another_frequency_gives_a_warning(somo: Somo, here: Path) -> None:
     (here / "ring.csv").write_text(RING.replace("tip.y_m", "y"), "utf-8")
     ended = somo("calibrate", "damping", "finger.yaml", "--axis", "1", "--ring-down", "ring.csv")
     assert ended.returncode == 0
     assert ended.stderr.splitlines() == [
-        "somo: warning: the model swings at 34.4 rad/s, what was measured at 15.61",
-        "  hint: stiffness over inertia should be 0.206 times what it is; check the mass, the "
-        "stiffness, and that the scene is how it hung",
+        "somo: warning: the model swings at 34.4 rad/s, the measured motion at 15.61 rad/s",
+        "  hint: stiffness over inertia should be 0.206 times as large: check mass, stiffness, "
+        "gravity, and the pose of the scene",
     ]
 
 
@@ -193,7 +193,7 @@ def test_damping_from_a_ratio_in_the_pose_of_a_scene(somo: Somo, here: Path) -> 
     assert found[1]["spring_damping"][0] < found[0]["spring_damping"][0]
 
 
-def test_a_fit_finds_again_what_a_run_was_made_with(somo: Somo, here: Path) -> None:
+def test_a_fit_recovers_the_parameters_of_a_run(somo: Somo, here: Path) -> None:
     pytest.importorskip("pybullet")
     drive = "manipulators[0].actuation=[{actuator: 0, axis: 0, pressure: 6e4}]"
     assert somo("run", "scene.yaml", "--steps", "600", "--set", drive, "-q").returncode == 0
@@ -213,13 +213,13 @@ def test_a_fit_finds_again_what_a_run_was_made_with(somo: Somo, here: Path) -> N
     assert joint["spring_stiffness"] == pytest.approx(0.117045, rel=1e-3)
     assert joint["spring_damping"] == pytest.approx(0.00045, rel=1e-3)
     assert joint["torque_per_pressure"] == pytest.approx(4.88195372e-07, rel=1e-3)
-    # the plane of motion says nothing about the other axis
+    # a motion in one plane does not depend on the other axis
     said = ended.stderr.splitlines()
     assert said[:2] == [
-        "somo: warning: the data say nothing about the stiffness of actuator 0, axis 1: it stays "
+        "somo: warning: the data do not depend on the stiffness of actuator 0, axis 1, which stays "
         "at 0.410331",
-        "somo: warning: the data say nothing about the damping of actuator 0, axis 1: it stays at "
-        "0.00072",
+        "somo: warning: the data do not depend on the damping of actuator 0, axis 1, which stays "
+        "at 0.00072",
     ]
     kept = [line for line in wrong.splitlines() if "#" in line]
     assert [line for line in (here / "finger.yaml").read_text().splitlines() if "#" in line] == kept
@@ -239,8 +239,8 @@ def test_the_gain_of_a_torque_is_left_to_the_scene(somo: Somo, here: Path) -> No
     said = [line for line in ended.stderr.splitlines() if "warning" not in line]
     assert said == [
         "finger.yaml: patched",
-        "scene.yaml: multiply by the gain of actuator 0, axis 0, 1.25, by hand",
-        "scene.yaml: multiply by the gain of actuator 0, axis 1, 1.25, by hand",
+        "scene.yaml: multiply the torques by the gain of actuator 0, axis 0, 1.25, by hand",
+        "scene.yaml: multiply the torques by the gain of actuator 0, axis 1, 1.25, by hand",
     ]
     after = joint_of(here / "finger.yaml", 0)
     assert after["torque_per_pressure"] == before["torque_per_pressure"]
@@ -250,7 +250,7 @@ def test_the_gain_of_a_torque_is_left_to_the_scene(somo: Somo, here: Path) -> No
         "--patch", "finger.yaml",
     )  # fmt: skip
     assert only.returncode == 2
-    assert "only gains are fitted, and torques are in the scene" in only.stderr
+    assert "only torque gains are fitted; a definition has no torques" in only.stderr
 
 
 FIT = ("calibrate", "fit", "scene.yaml", "--data", "m.csv")
@@ -287,7 +287,7 @@ FORCES = ("calibrate", "torque", "finger.yaml", "--data", "m.csv")
         (
             RINGS,
             "time_s,a,b\n" + "".join(f"{n},1,2\n" for n in range(9)),
-            ["m.csv:1:1: error: there are 2 columns beside time_s: a, b"],
+            ["m.csv:1:1: error: there are 2 columns besides time_s: a, b"],
         ),
         (
             RINGS,
@@ -325,7 +325,7 @@ TIP = ("calibrate", "stiffness", "finger.yaml")
         ((*TIP, "--tip-stiffness", "-6.12"), "-6.12 is not greater than 0, and finite"),
         ((*TIP, "--tip-stiffness", "1", "--rigidity", "1"), "give one of --tip-stiffness"),
         ((*TIP, "--modulus", "1e6"), "it goes with --modulus"),
-        ((*TIP, "--modulus", "1e6", "--section", "bx:1"), "'bx:1' is no shape"),
+        ((*TIP, "--modulus", "1e6", "--section", "bx:1"), "'bx:1' is not a known shape"),
         ((*TIP, "--axis", "2", "--tip-stiffness", "1"), "axis 2 of actuator 0 does not exist"),
         ((*TIP, "--actuator", "1", "--tip-stiffness", "1"), "there is no actuator 1"),
         ((*TIP, "--at", "0.2", "--tip-stiffness", "1"), "0.2 m is not a place on the 0.1 m"),

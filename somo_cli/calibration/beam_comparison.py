@@ -1,7 +1,7 @@
-"""How well a chain of few joints follows the uniform beam whose tip stiffness it has.
+"""How well a chain of few joints follows the uniform beam of the same tip stiffness.
 
-All lengths are in units of the beam's, forces and frequencies such that EI and mass are 1. The
-beam is clamped, slender and inextensible; the chain's links are slender rods.
+Lengths are relative to that of the beam; forces and frequencies are such that EI and mass are 1.
+The beam is clamped, slender and inextensible; the links of the chain are slender rods.
 """
 
 from __future__ import annotations
@@ -20,22 +20,25 @@ from somo_cli.calibration.moment_arms import MomentArms
 from somo_cli.manipulator.definition import Placement
 
 _FIRST = {"bending": 1.875104068711961**2, "torsion": math.pi / 2}
-"""First frequency of the beam, clamped and free: Blevins, Formulas for Natural Frequency (1979)."""
+"""First natural frequency of a beam with a clamped and a free end.
+
+Blevins, Formulas for Natural Frequency and Mode Shape (1979).
+"""
 
 _STATIONS = 401  # along the length
 
 
 @dataclass(frozen=True, slots=True)
 class BeamComparison:
-    """Errors of a chain with matched tip stiffness, as ratios: 0.01 is one per cent.
+    """Errors of a chain that has the tip stiffness of the beam, as ratios: 0.01 is one per cent.
 
-    `along` is the largest error of the deflection along the length under a force on the tip
-    (torsion: of the angle under a moment), over that of the tip, and `profile` the errors at
-    tenths of the length, from the clamp, shape (11,). `moment` and `weight` are errors
-    of the tip's deflection under an end moment and under the beam's own weight, `large` is the
-    distance of the tip from the elastica's under a dead load P L² / EI = 1, over the length; all
-    three are nan for torsion. `frequency` is the error of the first natural frequency, `top` how
-    many times higher the highest one is than the first, of which long steps have to be short.
+    `profile`, shape (11,), holds the errors of the deflection under a force on the tip at tenths of
+    the length, relative to the deflection of the tip (torsion: of the angle under a moment);
+    `along` is the largest such error anywhere. `moment` and `weight` are the errors of the tip
+    deflection under an end moment and under the weight of the beam; `large` is the distance
+    of the tip from that of the elastica under a dead load P L² / EI = 1, over the length. These
+    three are nan for torsion. `frequency` is the error of the first natural frequency, `top` the
+    ratio of the highest to the first, on which the largest explicit time step depends.
     """
 
     moment_arms: MomentArms
@@ -50,7 +53,7 @@ class BeamComparison:
 
 
 def compare_with_beam(moment_arms: MomentArms, placement: Placement) -> BeamComparison:
-    """Return how well the moment_arms, their stiffness the exact one, follow the beam."""
+    """Return the errors of a chain whose stiffness gives the tip stiffness of the beam exactly."""
     arms = moment_arms.arms[moment_arms.arms > 0]
     places = moment_arms.places[: len(arms)] / moment_arms.at
     rigid = (
@@ -74,26 +77,26 @@ def compare_with_beam(moment_arms: MomentArms, placement: Placement) -> BeamComp
 
 
 def compare_placements(
-    made: Callable[[int, Placement], MomentArms], numbers: Iterable[int]
+    build: Callable[[int, Placement], MomentArms], counts: Iterable[int]
 ) -> Iterator[BeamComparison]:
-    """Yield how well chains of so many joints follow the beam, evenly placed and by Gauss."""
-    for number in numbers:
+    """Yield the errors of chains with `counts` joints, evenly placed and at Gauss points."""
+    for count in counts:
         for placement in ("uniform", "gauss"):
-            yield compare_with_beam(made(number, placement), placement)
+            yield compare_with_beam(build(count, placement), placement)
 
 
 def _tip_deflection(places: Array, stiffness: Array, power: int) -> float:
-    """Return the tip's deflection under a moment (1 - s)^power along the beam."""
+    """Return the deflection of the tip under a moment (1 - s)^power along the beam."""
     arms = 1 - places
     return float(np.sum(arms**power / stiffness * arms))
 
 
 def _errors_along(moment_arms: MomentArms, places: Array, stiffness: Array) -> Array:
-    """Return chain minus beam at even stations along the length, over the tip's deflection."""
+    """Return the deflection of chain minus beam at even stations, over that of the tip."""
     s = np.linspace(0, 1, _STATIONS)
     beyond = s[:, np.newaxis] - places
     if moment_arms.kind == "torsion":
-        # between two joints the link has one angle: the worst is at its ends
+        # a link between two joints has one angle, so the error is largest at its ends
         twist: Array = (beyond > 0) @ (1 / stiffness) - s
         return twist
     chain = np.maximum(beyond, 0) @ ((1 - places) / stiffness)
@@ -103,7 +106,7 @@ def _errors_along(moment_arms: MomentArms, places: Array, stiffness: Array) -> A
 
 
 def _elastica_distance(places: Array, stiffness: Array) -> float:
-    """Return how far the tip is from the elastica's under P L² / EI = 1, over the length."""
+    """Return the distance of the tip from that of the elastica under P L² / EI = 1, over length."""
     links = np.diff(np.append(places, 1.0))
 
     def shape(angles: Array) -> tuple[Array, Array]:
@@ -122,15 +125,15 @@ def _elastica_distance(places: Array, stiffness: Array) -> float:
 
 
 def _frequencies(moment_arms: MomentArms, places: Array, stiffness: Array) -> tuple[float, float]:
-    """Return the lowest and the highest frequency about the straight pose, rods of mass 1."""
+    """Return the lowest and the highest natural frequency about the straight pose, total mass 1."""
     last = np.maximum.outer(places, places)
-    free = 1 - last  # what both joints move
+    free = 1 - last  # length that both joints move
     mass = free
     if moment_arms.kind == "bending":
         # the integral of (s - x_i)(s - x_j) from the later joint to the tip
         apart = np.abs(np.subtract.outer(places, places))
         mass = free**3 / 3 + apart * free**2 / 2
-    # many crowded joints leave digits to the largest eigenvalue alone, so one problem for each end
+    # with many joints only the largest eigenvalue is accurate, so each end has its own problem
     flexible = eigh(mass / np.sqrt(np.outer(stiffness, stiffness)), eigvals_only=True)
     squares = eigh(np.diag(stiffness), mass, eigvals_only=True)
     return 1 / math.sqrt(flexible[-1]), math.sqrt(squares[-1])

@@ -1,8 +1,7 @@
-"""The torque behind a blocked force, with joints that turn by more than a little.
+"""The torque behind a blocked force, for joint angles of any size.
 
-The finger presses on something that does not give and does not hold it along its length: a force
-F that keeps its direction, across the straight actuator. The rule of `moment_arms` is exact for
-small angles; here they may be large.
+The actuator presses on a rigid, frictionless surface, which exerts a force F across the straight
+actuator, of constant direction. The rule of `moment_arms` is exact for small angles only.
 """
 
 from __future__ import annotations
@@ -18,12 +17,12 @@ from somo_cli.manipulator import chain
 from somo_cli.manipulator.definition import Definition
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics, ChainPose
 
-MAX_JOINT_ANGLE = 1.5  # rad, of a joint: beyond it the actuator is not near the straight pose
+MAX_JOINT_ANGLE = 1.5  # rad: with larger ones the actuator is not near the straight pose
 
 
 @dataclass(frozen=True, slots=True)
 class BlockedEquilibrium:
-    """An actuator that presses: the torque in every joint of the axis [N·m], the angles [rad]."""
+    """The torque in every joint of the axis [N·m], and all joint angles [rad], shape (n,)."""
 
     torque: float
     angles: Array
@@ -34,9 +33,9 @@ def blocked_equilibrium(
 ) -> BlockedEquilibrium | None:
     """Return the equilibrium of an actuator that presses with a force [N] at `moment_arms.at`.
 
-    The actuator is clamped by itself, weightless and straight at rest; what is pressed on is at
-    the place of the straight actuator. None where there is no such equilibrium near the straight
-    pose, without springs, and for torsion, where the rule of small angles is exact.
+    The actuator is clamped by itself, weightless and straight at rest; the surface touches the
+    straight actuator. Returns None where there is no such equilibrium near the straight pose, if a
+    joint has no spring, and for torsion, where the rule of small angles is exact.
     """
     if moment_arms.kind == "torsion":
         return None
@@ -55,8 +54,8 @@ def blocked_equilibrium(
     start = body.at(np.zeros(body.count))
     local = held - start.origins[link]
 
-    def unbalance(unknown: Array) -> Array:
-        # torque in units of its small-angle value, place in units of the length
+    def residual(unknown: Array) -> Array:
+        # torques relative to the small-angle value, distances relative to the length
         angles, torque = unknown[:-1], unknown[-1] * scale
         pose: ChainPose = body.at(angles)
         point = pose.point(link, local)
@@ -68,7 +67,7 @@ def blocked_equilibrium(
     scale = moment_arms.torque(force)
     arms = np.where(drives > 0, np.maximum(moment_arms.at - places, 0), 0)
     small = (scale * drives - force * arms) / body.stiffness
-    found = root(unbalance, np.append(small, 1.0), method="hybr", options={"xtol": 1e-12})
+    found = root(residual, np.append(small, 1.0), method="hybr", options={"xtol": 1e-12})
     is_near = bool(np.abs(found.x[:-1]).max() < MAX_JOINT_ANGLE)
     if not (found.success and is_near) or np.abs(found.fun).max() > 1e-9:
         return None

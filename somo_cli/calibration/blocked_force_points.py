@@ -1,4 +1,4 @@
-"""Measured blocked forces, and the torque in the joints behind each of them by every rule."""
+"""Measured blocked forces, and the joint torque that each rule gives for them."""
 
 from __future__ import annotations
 
@@ -19,11 +19,12 @@ Rule = Literal["exact", "somo"]
 
 @dataclass(frozen=True, slots=True)
 class BlockedForcePoint:
-    """A blocked force [N], or moment [N·m] for torsion, and the torques [N·m] that explain it.
+    """A blocked force [N], or moment [N·m] for torsion, and the joint torques behind it [N·m].
 
-    `small` is by the rule of small angles, `equilibrium` by angles of any size, of which `turned`
-    [rad] is the largest; both are None where the springs are not known, where there is no
-    equilibrium, and for torsion, where small angles are exact. `pressure` [Pa] may not be known.
+    `small` follows from the rule of small angles, `somo` from SoMo's, `equilibrium` from joint
+    angles of any size, with `largest_angle` [rad]. The last two are None where springs are unknown,
+    where there is no equilibrium, and for torsion, where small angles are exact. `pressure` [Pa]
+    is None if unknown.
     """
 
     pressure: float | None
@@ -34,7 +35,7 @@ class BlockedForcePoint:
     largest_angle: float | None = None
 
     def torque(self, rule: Rule) -> float:
-        """Return the best torque that is known, or that of SoMo's notes."""
+        """Return the torque by SoMo's rule, or else the most accurate one [N·m]."""
         if rule == "somo":
             return self.somo
         return self.small if self.equilibrium is None else self.equilibrium
@@ -42,17 +43,17 @@ class BlockedForcePoint:
 
 @dataclass(frozen=True, slots=True)
 class AxisInDefinition:
-    """Where an axis is in a definition, whose joint stiffness makes equilibria known."""
+    """An axis of an actuator of a definition, whose joint stiffness determines the equilibrium."""
 
     definition: Definition
     actuator: int
     axis: int
 
 
-def press(
+def blocked_force_point(
     moment_arms: MomentArms, springs: AxisInDefinition | None, pressure: float | None, force: float
 ) -> BlockedForcePoint:
-    """Return the torques behind one measured force."""
+    """Return the torques behind one measured force [N], or moment [N·m] for torsion."""
     found = None
     if springs is not None:
         found = blocked_equilibrium(
@@ -68,8 +69,10 @@ def press(
     )
 
 
-def fitted(known: Sequence[BlockedForcePoint], rule: Rule, through_zero: bool) -> TorqueLine | None:
-    """Return the line of torque over pressure, None where no pressure is known."""
+def fitted_line(
+    known: Sequence[BlockedForcePoint], rule: Rule, through_zero: bool
+) -> TorqueLine | None:
+    """Return the line of torque over pressure; None if no pressure is known."""
     pressures = [one.pressure for one in known if one.pressure is not None]
     return line(pressures, [one.torque(rule) for one in known], through_zero) if pressures else None
 
@@ -78,41 +81,43 @@ def lines(
     moment_arms: MomentArms,
     known: Sequence[BlockedForcePoint],
     rule: Rule,
-    through: TorqueLine | None,
+    fit: TorqueLine | None,
 ) -> Iterator[str]:
-    """Yield the table of all forces, and the line through them."""
+    """Yield a description of the axis, the table of all forces, and the line through them."""
     yield described(moment_arms)
-    header = ["force [N]", "torque [N·m]", "small angles", "SoMo's F L", "largest angle [rad]"]
-    rows = []
-    for number, one in enumerate(known):
-        torques = one.torque("exact"), one.small, one.somo
-        row = [f"{one.force:g}", *(f"{torque:.6g}" for torque in torques)]
-        row.append("-" if one.largest_angle is None else f"{one.largest_angle:.3g}")
-        if one.pressure is not None:
-            row.insert(0, f"{one.pressure:g}")
-        if len(known) > 1 and through is not None:
-            row.append(f"{through.residuals[number]:.2g}")
-        rows.append(row)
-    if known[0].pressure is not None:
-        header.insert(0, "pressure [Pa]")
-    if len(known) > 1:
-        header.append("residual [N·m]")
-    yield from table_lines([header, *rows])
-    if through is None:
+    yield from table_lines(list(_rows(known, fit)))
+    if fit is None:
         return
-    of = "" if rule == "exact" else ", by SoMo's rule"
-    slope = with_error(through.per_pressure, through.per_pressure_error, "N·m/Pa")
-    yield f"torque per pressure{of}: {slope}"
-    if through.offset:
-        yield f"torque without pressure: {with_error(through.offset, through.offset_error, 'N·m')}"
+    rule_note = "" if rule == "exact" else ", by SoMo's rule"
+    slope = with_error(fit.per_pressure, fit.per_pressure_error, "N·m/Pa")
+    yield f"torque per pressure{rule_note}: {slope}"
+    if fit.offset:
+        yield f"torque without pressure: {with_error(fit.offset, fit.offset_error, 'N·m')}"
     if len(known) > 1:
-        yield f"residual, root mean square: {through.residual:.2g} N·m"
+        yield f"residual, root mean square: {fit.residual:.2g} N·m"
+
+
+def _rows(known: Sequence[BlockedForcePoint], fit: TorqueLine | None) -> Iterator[list[str]]:
+    has_pressure, has_residuals = known[0].pressure is not None, len(known) > 1
+    yield [
+        *(["pressure [Pa]"] if has_pressure else []),
+        "force [N]", "torque [N·m]", "small angles", "SoMo's F L", "largest angle [rad]",
+        *(["residual [N·m]"] if has_residuals else []),
+    ]  # fmt: skip
+    for number, one in enumerate(known):
+        row = [] if one.pressure is None else [f"{one.pressure:g}"]
+        torques = (one.torque("exact"), one.small, one.somo)
+        row += [f"{one.force:g}", *(f"{torque:.6g}" for torque in torques)]
+        row.append("-" if one.largest_angle is None else f"{one.largest_angle:.3g}")
+        if has_residuals and fit is not None:
+            row.append(f"{fit.residuals[number]:.2g}")
+        yield row
 
 
 def plain_data(
-    known: Sequence[BlockedForcePoint], rule: Rule, through: TorqueLine | None
+    known: Sequence[BlockedForcePoint], rule: Rule, fit: TorqueLine | None
 ) -> dict[str, object]:
-    """Return everything as plain values, None where a number is not known."""
+    """Return all points and the line as values for JSON; None where a number is unknown."""
     about: dict[str, object] = {
         "rule": rule,
         "points": [
@@ -128,13 +133,13 @@ def plain_data(
             for one in known
         ],
     }
-    if through is not None:
+    if fit is not None:
         about |= {
-            "torque_per_pressure": through.per_pressure,
-            "torque_per_pressure_error": _finite(through.per_pressure_error),
-            "offset": through.offset,
-            "offset_error": _finite(through.offset_error),
-            "residuals": through.residuals.tolist(),
+            "torque_per_pressure": fit.per_pressure,
+            "torque_per_pressure_error": _finite(fit.per_pressure_error),
+            "offset": fit.offset,
+            "offset_error": _finite(fit.offset_error),
+            "residuals": fit.residuals.tolist(),
         }
     return about
 

@@ -1,10 +1,10 @@
 """From a damping ratio to the damping of joints: the lowest mode of one axis.
 
-With d = c k in the joints of an axis, a mode φ of M q'' + K q = 0 with frequency ω, φ' M φ = 1, has
-the damping ratio φ' D φ / (2 ω) = c sum(k φ²) / (2 ω), the sum over the joints of the axis. If
-nothing else bends in it, c = 2 ζ / ω (Rayleigh damping without its mass part: Clough and Penzien,
-Dynamics of Structures (1993), sec. 12-5). The modes of several actuators in series are no single
-one's: there the mode is that of the axis with all other joints held.
+With d = c k in the joints of an axis, a mode φ of M q'' + K q = 0 with frequency ω and φ' M φ = 1
+has the damping ratio φ' D φ / (2 ω) = c sum(k φ²) / (2 ω), summed over the joints of the axis. If
+no other joint bends in the mode, c = 2 ζ / ω (Rayleigh damping without its mass part: Clough and
+Penzien, Dynamics of Structures (1993), sec. 12-5). With several actuators in series, modes belong
+to no single actuator; the mode is then that of the axis with all other joints locked.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ from somo_cli.simulation.plan.model import Plan
 
 
 class NoMode(ValueError):
-    """The axis has no mode that could be damped."""
+    """The axis has no mode that vibrates."""
 
 
 @dataclass(frozen=True, slots=True)
 class Mode:
     """The lowest mode of an axis at the start of a scene, gravity included.
 
-    `frequency` [rad/s] and `ratio` are those of the model as it is, `share` is how much of the
-    elastic energy is in the axis; `is_alone` where all other joints are held for that.
-    `seconds` is damping over stiffness in its joints [s], the same in all of them, and `per_ratio`
-    what it would be for a damping ratio of 1 [s].
+    `frequency` [rad/s] and damping `ratio` are those of the model; `share` is the share of the
+    axis in the elastic energy; `is_alone` says that all other joints were locked.
+    `seconds` is damping over stiffness, the mean over the joints of the axis [s], and `per_ratio`
+    its value for a damping ratio of 1 [s].
     """
 
     frequency: float
@@ -44,9 +44,9 @@ class Mode:
 
 
 def lowest_mode(plan: Plan, body: int, actuator: int, axis: int) -> Mode:
-    """Return the lowest mode most of whose elastic energy is in an axis of a body of a plan.
+    """Return the lowest mode of a body that has most of its elastic energy in one axis.
 
-    Of several actuators it is that of the axis with all other joints held. Raises NoMode.
+    With several actuators, all joints but those of the axis are locked. Raises NoMode.
     """
     one = plan.bodies[body]
     dynamics = ChainDynamics(one.chain)
@@ -78,7 +78,7 @@ def lowest_mode(plan: Plan, body: int, actuator: int, axis: int) -> Mode:
 def _alone(
     dynamics: ChainDynamics, drives: Array, inertia: Array, gravity: Array, seconds: float
 ) -> Mode:
-    """Return the lowest mode of some joints, (n,) of bools, while all others are held."""
+    """Return the lowest mode of the joints in `drives`, bools of shape (n,), all others locked."""
     own = np.ix_(drives, drives)
     springs, dampers = (np.diag(all_[drives]) for all_ in (dynamics.stiffness, dynamics.damping))
     squares, vectors = eigh(springs + gravity[own], inertia[own])

@@ -1,8 +1,8 @@
 """Parameters from a recorded motion: nonlinear least squares over simulations of a scene.
 
 Bates and Watts, Nonlinear Regression Analysis and Its Applications (1988), ch. 2: the covariance
-of the estimate is s² (J'J)⁻¹, J the derivatives of what is recorded, s² the variance of what is
-left over. It holds for noise that is independent from row to row.
+of the estimate is s² (J'J)⁻¹, with the Jacobian J of the recorded values and the variance s² of the
+residuals. It holds for noise that is independent from row to row.
 """
 
 from __future__ import annotations
@@ -25,28 +25,27 @@ from somo_cli.problems import SimulationDiverged
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.plan.build import make_plan
 
-STEP = 1e-3  # of the unknowns, for derivatives: far above the noise of a run, far below 1
-_MAX_UNKNOWN = 7.0  # of an unknown, a factor of a thousand
-_DIVERGED_RESIDUAL = 1e3  # what a diverged run is off by, in units of the data
-_INSENSITIVE = 1e-5  # of the largest effect of a parameter: what does not show in the data at all
+STEP = 1e-3  # of unknowns, in finite differences: far above the noise of a run, far below 1
+_MAX_UNKNOWN = 7.0  # a factor of a thousand
+_DIVERGED_RESIDUAL = 1e3  # weighted residual that stands for a diverged run
+_INSENSITIVE = 1e-5  # effect of a parameter, over the largest, that data cannot show
 
 Progress: TypeAlias = Callable[[int], None]
 
 
 class NothingToFit(ValueError):
-    """The data do not depend on any of the parameters."""
+    """The recorded values depend on none of the parameters."""
 
 
 @dataclass(frozen=True, slots=True)
 class FitResult:
-    """Parameters as the data want them.
+    """The parameters that fit the data best.
 
     `factors` multiply the guesses; `errors`, half widths of 95 % confidence intervals, have the
-    units of the parameters; both of shape (p,). `correlation` is that of the estimates, (p, p).
-    `insensitive` parameters are not among them: the data do not show them, so they keep their
-    guess.
-    `residuals` are measured minus simulated, (rows, columns), in the units of the data, and
-    `first_residuals` those of the guess; `runs` is how often the scene was run.
+    units of the parameters; both have shape (p,). `correlation` of the estimates has shape (p, p).
+    `insensitive` parameters are not fitted: they do not affect the data and keep their guess.
+    `residuals` are measured minus simulated values, shape (rows, columns), in the units of the
+    data, `first_residuals` those of the guess; `runs` is the number of simulations.
     """
 
     parameters: tuple[Parameter, ...]
@@ -60,38 +59,38 @@ class FitResult:
 
     @property
     def values(self) -> Array:
-        """The fitted parameters."""
+        """The fitted parameters, shape (p,), in their own units."""
         guesses: Array = np.array([one.guess for one in self.parameters])
         return guesses * self.factors
 
     @property
     def residual_rms(self) -> Array:
-        """Root mean square of the residuals of every column, shape (columns,)."""
+        """Root mean square of the residuals of each column, shape (columns,)."""
         squares: Array = np.sqrt(np.mean(self.residuals**2, axis=0))
         return squares
 
     @property
     def first_residual_rms(self) -> Array:
-        """The same of the first guess."""
+        """Root mean square of the residuals of the guess, shape (columns,)."""
         squares: Array = np.sqrt(np.mean(self.first_residuals**2, axis=0))
         return squares
 
     @property
     def autocorrelation(self) -> float:
-        """Correlation of what is left over with itself one row later, the largest of any column.
+        """Largest autocorrelation of the residuals of a column, at a lag of one row.
 
-        Near zero for noise; near one where the model does not follow what was measured.
+        Near zero for noise; near one where the model does not follow the measurement.
         """
-        left = self.residuals - self.residuals.mean(axis=0)
-        squares = np.sum(left**2, axis=0)
-        lagged = np.sum(left[1:] * left[:-1], axis=0)
+        centred = self.residuals - self.residuals.mean(axis=0)
+        squares = np.sum(centred**2, axis=0)
+        lagged = np.sum(centred[1:] * centred[:-1], axis=0)
         return float(
             np.max(np.divide(lagged, squares, out=np.zeros_like(lagged), where=squares > 0))
         )
 
 
 class SceneModel:
-    """What a scene records at the times of a measurement, for any parameters."""
+    """The columns that a scene records at the times of a measurement, for any parameters."""
 
     def __init__(
         self, scene: Scene, measurement: Measurement, open_world: OpenWorld, progress: Progress
@@ -106,7 +105,7 @@ class SceneModel:
         self.runs = 0
 
     def at(self, known: Sequence[Parameter], unknowns: Array) -> Array:
-        """Return the recorded columns, shape (rows, columns), SI. Raises SimulationDiverged."""
+        """Return the recorded columns, shape (rows, columns), in SI. Raises SimulationDiverged."""
         key = unknowns.tobytes()
         if self._latest is not None and self._latest[:2] == (known, key):
             return self._latest[2]
@@ -120,7 +119,7 @@ class SceneModel:
         return values
 
     def slopes(self, known: Sequence[Parameter], unknowns: Array) -> Array:
-        """Return the derivatives by the unknowns, shape (rows, columns, p), by differences."""
+        """Return finite differences by the unknowns, shape (rows, columns, p)."""
         here = self.at(known, unknowns)
         changes = STEP * np.eye(len(known))
         slopes: Array = np.stack(
@@ -131,9 +130,9 @@ class SceneModel:
 
 
 def _stride(times: Array, step: float) -> tuple[int, int]:
-    """Return how many steps [s] reach the last time [s], and after how many to record.
+    """Return the number of steps to the last time [s], and the steps from row to row.
 
-    Where all times are whole multiples of the step no row is recorded that is not needed.
+    If all times are whole multiples of the step, only rows at these times are recorded.
     """
     numbers = np.rint(times / step).astype(int)
     if np.abs(times / step - numbers).max() < 1e-6 and numbers[-1] > 0:
@@ -142,10 +141,11 @@ def _stride(times: Array, step: float) -> tuple[int, int]:
 
 
 def fit(model: SceneModel, measurement: Measurement, known: Sequence[Parameter]) -> FitResult:
-    """Return the parameters with which the scene moves most like the measurement.
+    """Return the parameters with which the scene follows the measurement best.
 
-    Every quantity is weighed by its scatter: first by that of the data, then once more by what
-    the first fit leaves over. Raises NothingToFit, and SimulationDiverged for the first guess.
+    Each quantity is weighted by the inverse of its scatter: in a first fit that of the data, in a
+    second one that of the residuals. Raises NothingToFit, and SimulationDiverged if the scene
+    diverges with the guess.
     """
     start = np.zeros(len(known))
     first = measurement.values - model.at(known, start)
@@ -153,20 +153,19 @@ def fit(model: SceneModel, measurement: Measurement, known: Sequence[Parameter])
     effects = np.sqrt(np.mean((model.slopes(known, start) * weights[:, np.newaxis]) ** 2, (0, 1)))
     sensitive = effects > _INSENSITIVE * effects.max()
     if not sensitive.any():
-        raise NothingToFit("nothing that is recorded depends on the parameters")
+        raise NothingToFit("no recorded value depends on the parameters")
     chosen = [one for one, is_sensitive in zip(known, sensitive, strict=True) if is_sensitive]
     unknowns = _least_squares_solution(model, measurement, chosen, weights, np.zeros(len(chosen)))
     if len(measurement.quantities) > 1:
-        left = measurement.values - model.at(chosen, unknowns)
-        weights = measurement.weights(left)
+        weights = measurement.weights(measurement.values - model.at(chosen, unknowns))
         unknowns = _least_squares_solution(model, measurement, chosen, weights, unknowns)
-    left = measurement.values - model.at(chosen, unknowns)
+    residuals = measurement.values - model.at(chosen, unknowns)
     slopes = (model.slopes(chosen, unknowns) * weights[:, np.newaxis]).reshape(-1, len(chosen))
-    covariance = _covariance(slopes, (left * weights).ravel())
+    covariance = _covariance(slopes, (residuals * weights).ravel())
     deviations = np.sqrt(np.diag(covariance))
     pairs = list(zip(chosen, unknowns.tolist(), strict=True))
     spread = np.array([one.guess * one.spread(unknown) for one, unknown in pairs])
-    freedom = max(1, left.size - len(chosen))
+    freedom = max(1, residuals.size - len(chosen))
     return FitResult(
         parameters=tuple(chosen),
         factors=np.array([one.factor(unknown) for one, unknown in pairs]),
@@ -175,7 +174,7 @@ def fit(model: SceneModel, measurement: Measurement, known: Sequence[Parameter])
         insensitive=tuple(
             one for one, is_sensitive in zip(known, sensitive, strict=True) if not is_sensitive
         ),
-        residuals=left,
+        residuals=residuals,
         first_residuals=first,
         runs=model.runs,
     )
@@ -188,7 +187,7 @@ def _least_squares_solution(
     weights: Array,
     start: Array,
 ) -> Array:
-    def left(unknowns: Array) -> Array:
+    def residuals(unknowns: Array) -> Array:
         try:
             simulated = model.at(known, unknowns)
         except SimulationDiverged:
@@ -201,7 +200,7 @@ def _least_squares_solution(
         return derivatives.reshape(-1, len(known))
 
     found = least_squares(
-        left,
+        residuals,
         start,
         jac=slopes,
         bounds=(-_MAX_UNKNOWN, _MAX_UNKNOWN),
@@ -213,10 +212,10 @@ def _least_squares_solution(
     return solution
 
 
-def _covariance(slopes: Array, left: Array) -> Array:
-    """Return s² (J'J)⁻¹, very large where the data say nothing."""
-    freedom = max(1, len(left) - slopes.shape[1])
-    variance = max(float(left @ left), 1e-30) / freedom
+def _covariance(slopes: Array, residuals: Array) -> Array:
+    """Return s² (J'J)⁻¹, shape (p, p); very large for combinations that the data do not show."""
+    freedom = max(1, len(residuals) - slopes.shape[1])
+    variance = max(float(residuals @ residuals), 1e-30) / freedom
     scale = np.maximum(np.linalg.norm(slopes, axis=0), 1e-300)
     _, values, rows = np.linalg.svd(slopes / scale, full_matrices=False)
     values = np.maximum(values, 1e-9 * values[0])

@@ -1,4 +1,4 @@
-"""Where in a document the joints of one axis of an actuator are written."""
+"""Where a document defines the joints of one axis of an actuator."""
 
 from __future__ import annotations
 
@@ -12,21 +12,22 @@ from somo_cli.scene.actuation import driven_actuators, is_pressure
 
 
 def pointers(document: Document, at: Pointer, actuator: int, axis: int) -> tuple[Pointer, ...]:
-    """Return the pointers to the joint definitions of an axis, base to tip.
+    """Return the pointers to the joint definitions of an axis, from base to tip.
 
-    The definition at `at` has no faults. It is one definition for all the joints of the axis, but
-    for planar_flag 2, which has one for each.
+    The definition at `at` is valid. All joints of the axis share one joint definition, except with
+    planar_flag 2, where each joint has its own; fixed joints are then left out.
     """
     where: Pointer = (*at, "actuator_definitions", actuator)
     data: Any = document.at(where)
-    count = len(data["joint_definitions"])
-    is_each = int(data.get("planar_flag", 1 if count == 1 else 0)) == 2
-    numbers = range(count) if is_each else (axis,)
+    joints = data["joint_definitions"]
+    numbers: Sequence[int] = (axis,)
+    if int(data.get("planar_flag", 1 if len(joints) == 1 else 0)) == 2:
+        numbers = [n for n, joint in enumerate(joints) if joint.get("joint_type") != "fixed"]
     return tuple((*where, "joint_definitions", number) for number in numbers)
 
 
 def under_pressure(document: Document, manipulator: int) -> set[tuple[int, int]]:
-    """Return actuator and axis of all that pressure drives in a scene without faults."""
+    """Return actuator and axis of all that pressure drives, in a manipulator of a valid scene."""
     data: Any = document.at(("manipulators", manipulator))
     definition = read.read(document, ("manipulators", manipulator, "definition"))
     return {
@@ -37,17 +38,16 @@ def under_pressure(document: Document, manipulator: int) -> set[tuple[int, int]]
     }
 
 
-def values(
-    places: Sequence[Pointer], key: str, first: float, profile: Sequence[float] | None = None
-) -> Mapping[Pointer, float]:
-    """Return what to write for a key of joint definitions: `first` times the profile, if any."""
-    factors = profile if profile is not None and len(places) > 1 else [1.0] * len(places)
-    return {
-        (*place, key): rounded(first * float(factor))
-        for place, factor in zip(places, factors, strict=True)
-    }
+def values(places: Sequence[Pointer], key: str, wanted: Sequence[float]) -> Mapping[Pointer, float]:
+    """Return the rounded values of a key of joint definitions, one for each definition.
+
+    A definition that all joints share gets the value of the first joint; a single value is that of
+    all definitions.
+    """
+    each = [wanted[0]] * len(places) if 1 in (len(places), len(wanted)) else wanted
+    return {(*place, key): rounded(value) for place, value in zip(places, each, strict=True)}
 
 
 def rounded(value: float) -> float:
-    """Return a value to nine digits, which is more than any gauge has, and what a file shows."""
+    """Return a value rounded to nine digits, more than any gauge has, as a file shows it."""
     return float(f"{value:.9g}")

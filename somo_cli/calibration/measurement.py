@@ -1,4 +1,4 @@
-"""A measured motion as what a run of a scene would have recorded at the same times."""
+"""A measured motion, as columns that a run of a scene records."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ MEASURABLE: tuple[Quantity, ...] = (
     "link_orientations",
     "base_pose",
 )
-"""What a camera, an encoder or a strain gauge can tell, under the names of `somo run`."""
+"""What a camera, an encoder or a strain gauge can measure, under the names of `somo run`."""
 
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
     """Measured columns over time.
 
-    `times` [s], shape (rows,), counts from the start of the scene; `values`, (rows, columns), are
-    SI. A run that records `quantities` has each column at its place of `places` in a row;
-    `owners` says which of the quantities each column is part of.
+    `times` [s], shape (rows,), are from the start of the scene; `values`, shape (rows, columns),
+    are in SI. `places` are the positions of the columns in a row of a run that records
+    `quantities`; `owners` are the indices of the quantities that the columns belong to.
     """
 
     names: tuple[str, ...]
@@ -46,13 +46,13 @@ class Measurement:
 
     @property
     def scatter(self) -> Array:
-        """Standard deviation of every column, shape (columns,)."""
+        """Standard deviation of each column, shape (columns,)."""
         scatter: Array = self.values.std(axis=0)
         return scatter
 
-    def weights(self, left: Array) -> Array:
-        """Return one weight per column: over the root mean square of `left` in its quantity."""
-        squares = np.mean(left**2, axis=0)
+    def weights(self, residuals: Array) -> Array:
+        """Return each column's weight, 1 / root mean square of the residuals of its quantity."""
+        squares = np.mean(residuals**2, axis=0)
         owners = np.array(self.owners)
         means = [squares[owners == number].mean() for number in range(len(self.quantities))]
         weights: Array = 1 / np.sqrt(np.maximum(np.array(means)[owners], 1e-30))
@@ -60,16 +60,16 @@ class Measurement:
 
 
 def time_window(table: Table, name: str, begin: float, end: float) -> tuple[Array, Array]:
-    """Return times [s] and values of a column from one time to another [s], shapes (n,)."""
+    """Return times [s] and values of a column between two times [s], both of shape (n,)."""
     times, values = np.array(table.columns[TIME]), np.array(table.columns[name])
     kept = (times >= begin) & (times <= end)
     return times[kept], values[kept]
 
 
 def measurement(table: Table, scene: Scene, chosen: Sequence[str]) -> Measurement:
-    """Return the chosen columns of a table, all but the time if none, as a measurement of a scene.
+    """Return columns of a table as a measurement of a scene: `chosen`, or all but the time.
 
-    Columns are called as `somo run` calls them, with or without the manipulator's name in front.
+    Columns are named as `somo run` names them, with or without the name of the manipulator.
     Raises InvalidFile with every column that the scene cannot record.
     """
     whole = make_plan(scene_recording(scene, MEASURABLE))
@@ -78,7 +78,7 @@ def measurement(table: Table, scene: Scene, chosen: Sequence[str]) -> Measuremen
     short = {name: _short(name) for name in header}
     wanted = [name for name in table.names if name != TIME]
     if chosen:
-        # a column may be written in full and asked for in short, or the other way round
+        # the table and `chosen` may each have a name with or without the manipulator
         ways = {name: {name, full.get(name, name), short.get(name, name)} for name in chosen}
         missing = [name for name in chosen if ways[name].isdisjoint(table.names)]
         require_columns(table, missing)
@@ -92,9 +92,8 @@ def measurement(table: Table, scene: Scene, chosen: Sequence[str]) -> Measuremen
         for group in columns.body_column_groups(whole.recorded)
         for name in group.selection.names
     }
-    for of_object in columns.object_column_groups(
-        whole.recorded
-    ):  # poses, which are poses of bases
+    # an object records its pose alone, which is measured like the pose of a base
+    for of_object in columns.object_column_groups(whole.recorded):
         groups |= dict.fromkeys(of_object.selection.names, "base_pose")
     quantities = tuple(one for one in MEASURABLE if one in {groups[name] for name in names})
     own_header = columns.header(make_plan(scene_recording(scene, quantities)).recorded)
@@ -109,9 +108,9 @@ def measurement(table: Table, scene: Scene, chosen: Sequence[str]) -> Measuremen
 
 
 def scene_recording(scene: Scene, quantities: tuple[Quantity, ...]) -> Scene:
-    """Return the scene measurement these quantities whole, and poses, to the end of the data.
+    """Return the scene recording these quantities and the poses of objects, and nothing else.
 
-    Conditions that would end the run before are left out: what was measured has its own end.
+    It has no stop conditions, so that a run lasts as long as the measurement.
     """
     return dataclasses.replace(
         scene,
@@ -124,16 +123,16 @@ def scene_recording(scene: Scene, quantities: tuple[Quantity, ...]) -> Scene:
 
 
 def _short(name: str) -> str:
-    # without the name of the manipulator, of which there is one
+    # without the name of the manipulator: the scene has one only
     return name.partition(".")[2]
 
 
 def _problems(table: Table, wanted: Sequence[str], full: dict[str, str]) -> Iterator[Problem]:
     if not wanted:
-        yield Problem(table.header_span(TIME), f"there is no column beside {TIME}")
+        yield Problem(table.header_span(TIME), f"there is no column besides {TIME}")
     if table.columns[TIME][0] < 0:
         place = table.cell_span(0, TIME)
-        hint = "times count from the start of the scene"
+        hint = "times are counted from the start of the scene"
         yield Problem(place, f"time {table.columns[TIME][0]:g} s is before the start", hint)
     seen: dict[str, str] = {}
     for name in wanted:

@@ -1,8 +1,8 @@
-"""The joints of one axis of an actuator as moment_arms, and the exact rules that follow from them.
+"""The moment arms of the joints of one axis, and the exact rules that follow from them.
 
-An actuator, straight and clamped at its base, feels a small force F across it at a length a from
-the base. Joint i at x_i has the arm l_i = a - x_i to it, turns by F l_i / k_i and moves the point
-by l_i times that, so that
+A small force F acts across a straight actuator, clamped at its base, at a distance a from the base.
+Joint i at x_i has the moment arm l_i = a - x_i, turns by F l_i / k_i and moves the point by l_i
+times that angle, so that
 
     K = F / deflection = 1 / sum(l_i² / k_i).
 
@@ -10,8 +10,9 @@ With an equal torque T in all joints and the point held, sum(θ_i l_i) = 0, θ_i
 
     F = T sum(l_i / k_i) / sum(l_i² / k_i).
 
-Both hold for a torsion axis with l_i = 1, a moment in place of F and an angle in place of the
-deflection. Many evenly placed joints on a whole length L tend to F = 1.5 T / L and K = 3 EI / L³.
+Both hold for a torsion axis with l_i = 1, a moment instead of F and an angle instead of the
+deflection. With many evenly placed joints on a length L they tend to F = 1.5 T / L and
+K = 3 EI / L³.
 """
 
 from __future__ import annotations
@@ -29,20 +30,20 @@ from somo_cli.manipulator.geometry import Vector, norm, unit
 
 Kind = Literal["bending", "torsion"]
 
-_ALONG = 1e-6  # sine or cosine below which an axis is across or along the backbone
+_ALONG = 1e-6  # cosine or sine below which an axis is across or along the backbone
 
 
 class NoMomentArms(ValueError):
-    """There is nothing to calibrate: no such axis, no joint that moves the point."""
+    """There is nothing to calibrate: no such axis, or no joint that moves the point."""
 
 
 @dataclass(frozen=True, slots=True)
 class MomentArms:
-    """The joints of one axis.
+    """The joints of one axis of an actuator of length `length` [m].
 
-    `places` and `at`, where the force acts, are distances from the base of the actuator, of length
-    `length`. `shares` says how many evenly placed joints of the axis each joint stands for,
-    `profile` how stiff it would then be relative to the first; both of shape (n,).
+    `places`, shape (n,), and `at`, where the force acts, are distances from the base [m]. A joint
+    stands for `shares` evenly placed joints, each with the stiffness of the first joint times
+    `profile`; both have shape (n,).
     """
 
     kind: Kind
@@ -60,62 +61,62 @@ class MomentArms:
 
     @property
     def arms(self) -> Array:
-        """Arms of the force, 0 for joints beyond it; 1 for torsion; shape (n,)."""
+        """Moment arms of the force [m], 0 for joints beyond it; 1 for torsion; shape (n,)."""
         arms: Array = np.maximum(self.at - self.places, 0.0)
         return np.sign(arms) if self.kind == "torsion" else arms
 
     @property
     def _compliances(self) -> Array:
-        """Compliance of every joint times the stiffness of the first, were it evenly placed."""
+        """Compliance of each joint times the stiffness of the first, if that is evenly placed."""
         return self.shares / self.profile
 
     def stiffness(self, tip_stiffness: float) -> float:
-        """Return the `spring_stiffness` [N·m/rad] with which the chain has this tip stiffness.
+        """Return the `spring_stiffness` [N·m/rad] that gives the chain this tip stiffness.
 
-        The tip stiffness is in N/m; in N·m/rad for torsion. It is that of the point at `at`.
+        The tip stiffness is that of the point at `at`, in N/m, or in N·m/rad for torsion.
         """
         return float(tip_stiffness * (self._compliances @ self.arms**2))
 
     def tip_stiffness(self, stiffness: float) -> float:
-        """Return the tip stiffness of a chain with this `spring_stiffness`."""
+        """Return the tip stiffness [N/m, N·m/rad] of a chain with this `spring_stiffness`."""
         return stiffness / float(self._compliances @ self.arms**2)
 
     def rigidity(self, tip_stiffness: float) -> float:
-        """Return the EI [N·m²] of a uniform beam of this tip stiffness; GJ for torsion.
+        """Return EI [N·m²] of the uniform beam with this tip stiffness; GJ for torsion.
 
         K = 3 EI / a³ and GJ / a: Timoshenko, Strength of Materials I (1955), sec. 32 and 58.
         """
         return tip_stiffness * (self.at if self.kind == "torsion" else self.at**3 / 3)
 
     def tip_stiffness_of_beam(self, rigidity: float) -> float:
-        """Return the tip stiffness of a uniform beam of this EI, or GJ [N·m²]."""
+        """Return the tip stiffness of a uniform beam with this EI, or GJ [N·m²]."""
         return rigidity / self.rigidity(1.0)
 
     def torque(self, force: float) -> float:
-        """Return the torque [N·m] in every joint that makes this blocked force [N], or moment."""
+        """Return the torque in every joint [N·m] that causes this blocked force [N], or moment."""
         compliances = self._compliances
         return float(force * (compliances @ self.arms**2) / (compliances @ self.arms))
 
     def somo_stiffness(self, tip_stiffness: float) -> float:
-        """Return what SoMo's notes give: k = L² K / (3/(2N) - 1/(2N²)), N joints of the axis.
+        """Return the joint stiffness of SoMo's notes, k = L² K / (3/(2N) - 1/(2N²)) for N joints.
 
-        It gives to every joint what would be right for one at the clamp that stands for half a
-        segment, so that the chain is up to twice too stiff.
+        It treats every joint like one at the clamp that stands for half a segment, so the chain is
+        too stiff, by up to a factor of two.
         """
         n = self.count
         return tip_stiffness * self.at**2 / (3 / (2 * n) - 1 / (2 * n * n))
 
     def somo_torque(self, force: float) -> float:
-        """Return what SoMo's notes give: T = F L."""
+        """Return the joint torque of SoMo's notes, T = F L [N·m]."""
         return force * self.at
 
 
 def of_definition(
     definition: Definition, actuator: int, axis: int, at: float | None = None
 ) -> MomentArms:
-    """Return the moment_arms of an axis of an actuator, the actuator clamped by itself.
+    """Return the moment arms of an axis of an actuator that is clamped by itself.
 
-    `at` is where the force acts, from the base of the actuator; None is its end. Raises
+    The force acts at a distance `at` [m] from the base of the actuator, None for its end. Raises
     NoMomentArms.
     """
     if not 0 <= actuator < len(definition.actuators):
@@ -135,7 +136,7 @@ def of_definition(
         across = abs(sum(a * b for a, b in zip(direction, unit(joint.axis), strict=True)))
         if other != axis and joint.joint_type != "fixed" and across > _ALONG:
             raise NoMomentArms(
-                f"axes {axis} and {other} of actuator {actuator} are not at right angles, so one "
+                f"axes {axis} and {other} of actuator {actuator} are not at right angles, so a "
                 "force bends both"
             )
     length = one.n_segments * one.link.height
@@ -154,6 +155,19 @@ def of_definition(
     )
 
 
+def first_joint_stiffness(definition: Definition | None, actuator: int, axis: int) -> float | None:
+    """Return the stiffness of the first moving joint of an axis [N·m/rad]; None if it has none."""
+    if definition is None:
+        return None
+    one = definition.actuators[actuator]
+    moving = (
+        joint.stiffness
+        for channel, joint in zip(one.channels, one.joints, strict=True)
+        if channel == axis and joint.joint_type != "fixed"
+    )
+    return next(moving) or None
+
+
 def of_uniform_actuator(
     length: float,
     joints: int,
@@ -163,7 +177,7 @@ def of_uniform_actuator(
     placing: Placement,
     at: float | None = None,
 ) -> MomentArms:
-    """Return the moment arms of an actuator with `joints` joints per axis, `axes` taking turns.
+    """Return the moment arms of an actuator with `joints` joints on each of `axes` axes.
 
     Raises NoMomentArms.
     """
@@ -185,7 +199,7 @@ def of_uniform_actuator(
 def of_joint_positions(
     length: float, places: Sequence[float], direction: Vector, at: float | None = None
 ) -> MomentArms:
-    """Return an actuator with equal joints of one axis at these distances from its base [m].
+    """Return the moment arms of equal joints of one axis at these distances from the base [m].
 
     Raises NoMomentArms.
     """
@@ -230,6 +244,6 @@ def _profile(one: ActuatorDefinition, numbers: Sequence[int]) -> Array:
     if not stiffness.any():
         return np.ones(len(numbers))
     if not stiffness.all():
-        raise NoMomentArms("some joints of the axis have no spring, and others have")
+        raise NoMomentArms("some joints of the axis have a spring, and others have none")
     profile: Array = stiffness / stiffness[0]
     return profile

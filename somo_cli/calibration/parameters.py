@@ -1,4 +1,4 @@
-"""What a fit may change: stiffness, damping and actuation gain of each axis of one manipulator."""
+"""Parameters of a fit: stiffness, damping and actuation gain of each axis of a manipulator."""
 
 from __future__ import annotations
 
@@ -20,34 +20,37 @@ UNITS: Mapping[ParameterKind, str] = {"stiffness": "N·m/rad", "damping": "N·m�
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """One number of an axis and its first guess, which a factor multiplies.
+    """One parameter of an axis, as a factor on its first guess.
 
-    The guess is that of a joint definition of the axis, its first; a gain starts at 1. Unknown to
-    the solver is the logarithm of the factor of a stiffness or a damping, which cannot change
-    sign, and the factor less one of a gain, which can.
+    The guess is the value of the first joint definition of the axis; a gain starts at 1. The
+    solver's unknown is the logarithm of the factor of a stiffness or a damping, which cannot change
+    sign, and the factor minus one of a gain, which can.
     """
 
-    what: ParameterKind
+    kind: ParameterKind
     actuator: int
     axis: int
     guess: float
 
     @property
     def name(self) -> str:
-        """What it is, for a person."""
-        return f"{self.what} of actuator {self.actuator}, axis {self.axis}"
+        """The parameter in words."""
+        return f"{self.kind} of actuator {self.actuator}, axis {self.axis}"
 
     def factor(self, unknown: float) -> float:
         """Return the factor on the guess."""
-        return 1 + unknown if self.what == "gain" else math.exp(unknown)
+        return 1 + unknown if self.kind == "gain" else math.exp(unknown)
 
     def spread(self, unknown: float) -> float:
-        """Return how much the factor changes per change of the unknown."""
-        return 1.0 if self.what == "gain" else math.exp(unknown)
+        """Return the derivative of the factor by the unknown."""
+        return 1.0 if self.kind == "gain" else math.exp(unknown)
 
 
-def parameters(one: Manipulator, whats: Sequence[ParameterKind]) -> Iterator[Parameter]:
-    """Yield what can be fitted: damping where there is some, a gain where something drives."""
+def parameters(one: Manipulator, kinds: Sequence[ParameterKind]) -> Iterator[Parameter]:
+    """Yield the parameters of these kinds that can be fitted, by actuator and axis.
+
+    A stiffness or damping of zero cannot be fitted, nor the gain of an axis without actuation.
+    """
     driven = {(entry.actuator, entry.axis) for entry in one.actuation}
     for number, actuator in enumerate(one.compiled.definition.actuators):
         for axis in dict.fromkeys(actuator.channels):
@@ -60,17 +63,17 @@ def parameters(one: Manipulator, whats: Sequence[ParameterKind]) -> Iterator[Par
                 "damping": joint.damping,
                 "gain": float((number, axis) in driven),
             }
-            for what in whats:
-                if guesses[what] > 0:
-                    yield Parameter(what, number, axis, guesses[what])
+            for kind in kinds:
+                if guesses[kind] > 0:
+                    yield Parameter(kind, number, axis, guesses[kind])
 
 
 def with_factors(
     scene: Scene, known: Sequence[Parameter], unknowns: Sequence[float] | Array
 ) -> Scene:
-    """Return the scene, of one manipulator, with every parameter times its factor."""
+    """Return the scene, of one manipulator, with every parameter multiplied by its factor."""
     factors = {
-        (one.what, one.actuator, one.axis): one.factor(float(unknown))
+        (one.kind, one.actuator, one.axis): one.factor(float(unknown))
         for one, unknown in zip(known, unknowns, strict=True)
     }
     (manipulator,) = scene.manipulators

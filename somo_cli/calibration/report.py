@@ -1,4 +1,4 @@
-"""What a calibration found, as lines of a table."""
+"""The result of `somo calibrate stiffness`, in words, as tables and as values for JSON."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _MOST_PLACES = 8
 
 
 def described(moment_arms: MomentArms) -> str:
-    """Say where the joints of an axis are, in millimetres."""
+    """Return a sentence that says where the joints of an axis are [mm]."""
     places = [f"{1000 * place:.4g}" for place in moment_arms.places]
     if len(places) > _MOST_PLACES:
         places = [*places[:3], "...", places[-1]]
@@ -32,9 +32,10 @@ def described(moment_arms: MomentArms) -> str:
 
 
 def stiffness_lines(moment_arms: MomentArms, wanted: float, own: float | None) -> Iterator[str]:
-    """Yield the joint stiffness by each rule, and the tip stiffness that it makes.
+    """Yield a table of the joint stiffness by each rule, and the tip stiffness that it gives.
 
-    `wanted` is the tip stiffness asked for, `own` the joint stiffness of a definition.
+    `wanted` is the required tip stiffness [N/m, N·m/rad], `own` the joint stiffness in the
+    definition [N·m/rad], if there is one.
     """
     unit = "N·m/rad" if moment_arms.kind == "torsion" else "N/m"
     rules = {"exact": moment_arms.stiffness(wanted)}
@@ -50,15 +51,15 @@ def stiffness_lines(moment_arms: MomentArms, wanted: float, own: float | None) -
     header = ["rule", "spring_stiffness [N·m/rad]", f"tip [{unit}]", "off by"]
     yield from table_lines([header, *rows])
     if moment_arms.count > 1 and moment_arms.profile.min() < moment_arms.profile.max():
-        yield "spring_stiffness is that of the first joint; the others keep their ratio to it"
+        yield "spring_stiffness is that of the first joint; the others keep their ratios to it"
 
 
 def comparison_lines(
     found: Sequence[BeamComparison], wanted: float, own: BeamComparison | None
 ) -> Iterator[str]:
-    """Yield how well chains of other numbers of joints follow a uniform beam.
+    """Yield a table of the errors of chains against a uniform beam of the same tip stiffness [%].
 
-    Errors are in per cent; `own` is the chain as it lies, if there is one.
+    `wanted` is the tip stiffness, `own` the chain to calibrate, if there is one.
     """
     is_bending = found[0].moment_arms.kind == "bending"
     header = ["joints", "placement", "spring_stiffness", "along", "first mode", "highest/first"]
@@ -81,6 +82,41 @@ def comparison_lines(
     yield from table_lines([header, *rows])
 
 
+def plain_data(
+    moment_arms: MomentArms, wanted: float, found: float, chains: Sequence[BeamComparison]
+) -> dict[str, object]:
+    """Return the tip stiffness, the joint stiffness found, and the chains, as values for JSON."""
+    return {
+        "kind": moment_arms.kind,
+        "places_m": moment_arms.places.tolist(),
+        "at_m": moment_arms.at,
+        "tip_stiffness": wanted,
+        "rigidity": moment_arms.rigidity(wanted),
+        "spring_stiffness": found,
+        "tip_stiffness_made": moment_arms.tip_stiffness(found),
+        "profile": moment_arms.profile.tolist(),
+        "chains": [_plain_chain(one, wanted) for one in chains],
+    }
+
+
+def _plain_chain(one: BeamComparison, wanted: float) -> dict[str, object]:
+    errors = {
+        "moment": one.moment,
+        "weight": one.weight,
+        "large": one.large,
+        "frequency": one.frequency,
+        "top": one.top,
+    }
+    return {
+        "joints": one.moment_arms.count,
+        "placement": one.placement,
+        "spring_stiffness": one.moment_arms.stiffness(wanted),
+        "along": one.along,
+        "errors_at_tenths": one.profile.tolist(),
+        **{key: None if math.isnan(value) else value for key, value in errors.items()},
+    }
+
+
 def _percent(value: float) -> str:
     if math.isnan(value):
         return "-"
@@ -88,5 +124,5 @@ def _percent(value: float) -> str:
 
 
 def with_error(value: float, error: float, unit: str) -> str:
-    """Return a value with the half width of its interval, if that is known."""
+    """Return a value with unit and the half width of its confidence interval, if that is known."""
     return f"{value:.6g}" + (f" ± {error:.2g}" if math.isfinite(error) else "") + f" {unit}"

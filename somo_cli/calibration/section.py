@@ -1,8 +1,8 @@
 """Cross-sections of a beam along z: area, second moments, torsion constant.
 
 Every shape is a rectangle of half widths p and q swept by a disc of radius r: a box has r = 0, a
-disc p = q = 0, a stadium one of p and q zero. So one formula does for all, and one comparison of
-support functions, h(θ) = p |cos θ| + q |sin θ| + r, tells whether a shape lies inside another
+disc p = q = 0, a stadium p = 0 or q = 0. So one formula covers all shapes, and a comparison of
+support functions, h(θ) = p |cos θ| + q |sin θ| + r, shows whether a shape lies inside another
 (Schneider, Convex Bodies, 2nd ed. 2014, sec. 1.7).
 """
 
@@ -15,17 +15,17 @@ from typing import TypeAlias
 
 SMALLEST = 1e-9
 LARGEST = 1e3
-"""The sizes that a shape may have [m]; what lies beyond is a slip, and would over- or underflow."""
+"""Limits of the sizes of a shape [m]: others are typing errors, and would over- or underflow."""
 
 _ODD_FIFTH_POWERS = 31 / 32 * 1.0369277551433699  # Σ 1/n⁵ over odd n: 31/32 ζ(5)
 
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """A shape with its centroid at the origin, symmetric about x and y, and maybe a bore in it.
+    """A shape with its centroid at the origin, symmetric about x and y, with a bore or without.
 
-    `core` holds the half widths p along x and q along y, `rounding` the radius r [m]; `text` is
-    how it was written.
+    `core` holds the half widths p along x and q along y [m], `rounding` the radius r [m]; `text` is
+    the shape as the user wrote it.
     """
 
     text: str
@@ -48,7 +48,7 @@ class Section:
         if self.bore is not None:
             raise ValueError(f"'{self.text}' has a bore already: '{self.bore}'")
         if bore.bore is not None:
-            raise ValueError(f"the bore '{bore}' is hollow itself: a bore is a plain shape")
+            raise ValueError(f"the bore '{bore}' has a bore itself: give a shape without one")
         if not _margin(self, bore) > 0:
             raise ValueError(f"the bore '{bore}' does not fit inside '{self}'")
         return replace(self, bore=bore)
@@ -57,8 +57,8 @@ class Section:
         """Return I = ∫ (distance from the axis)² dA [m⁴], for bending about a direction (x, y).
 
         x and y are principal axes, so I = Ix ax² + Iy ay² for a unit axis (Timoshenko, Strength of
-        Materials I, 3rd ed. 1955, appendix A). The axis need not be of unit length; one of no
-        length, or that is not finite, raises ValueError.
+        Materials I, 3rd ed. 1955, appendix A). The axis need not be a unit vector. Raises
+        ValueError if it is zero or not finite.
         """
         length = math.hypot(*axis)
         if not 0 < length < math.inf:
@@ -78,8 +78,8 @@ class Section:
     def torsion_constant(self) -> float:
         """Return J [m⁴] of Saint-Venant, so that a torque twists by torque / (G J) per metre.
 
-        Of a disc, a box, and a ring (Timoshenko and Goodier, Theory of Elasticity, 3rd ed. 1970,
-        sec. 104 and 109); any other section raises ValueError.
+        Known for a disc, a box and a ring (Timoshenko and Goodier, Theory of Elasticity, 3rd ed.
+        1970, sec. 104 and 109); raises ValueError for any other section.
         """
         if self._is_round and (self.bore is None or self.bore._is_round):
             inner = 0.0 if self.bore is None else self.bore.rounding
@@ -98,8 +98,8 @@ class Section:
 def _about_first(p: float, q: float, r: float) -> float:
     """Return ∫ y² dA of a solid shape [m⁴], p along x.
 
-    The bar of height 2 (q + r) in the middle, the two of height 2 q at its sides, and four quarters
-    of a disc with their centres q off the axis, by the theorem of parallel axes.
+    It is the sum over a bar of height 2 (q + r) in the middle, two of height 2 q at its sides, and
+    four quarters of a disc with centres at ±q, by the parallel axis theorem.
     """
     bars = 4 / 3 * (p * (q + r) ** 3 + r * q**3)
     return bars + math.pi * r**2 * q**2 + 8 / 3 * q * r**3 + math.pi / 4 * r**4
@@ -109,7 +109,7 @@ def _torsion_of_box(a: float, b: float) -> float:
     """Return J [m⁴] of a rectangle a by b, a >= b (Timoshenko and Goodier, sec. 109).
 
     J = a b³/3 (1 - 192 b/(π⁵ a) Σ tanh(n π a/2b)/n⁵) over odd n. With tanh x = 1 - 2/(1 + e^2x) the
-    slow part of the series is a constant, and six terms of the rest are exact to rounding.
+    slowly converging part of the series is a constant, and six terms of the rest are enough.
     """
     total = _ODD_FIFTH_POWERS
     for n in (1, 3, 5, 7, 9, 11):
@@ -122,7 +122,7 @@ def _margin(outer: Section, inner: Section) -> float:
     """Return the least distance between the support functions of two shapes [m]."""
     p = outer.core[0] - inner.core[0]
     q = outer.core[1] - inner.core[1]
-    # of p cos θ + q sin θ for θ from 0 to π/2: inside only where both pull down
+    # minimum of p cos θ + q sin θ for θ from 0 to π/2: at an end, unless p and q are negative
     least = -math.hypot(p, q) if p < 0 and q < 0 else min(p, q)
     return least + outer.rounding - inner.rounding
 
@@ -153,14 +153,14 @@ _SHAPES: Mapping[str, tuple[str, int, Callable[..., _Shape]]] = {
 def parse_section(text: str) -> Section:
     """Return the section of `box:X,Y`, `disc:R` or `stadium:X,Y`, all in metres.
 
-    X and Y are the full widths along x and y; a stadium is a rectangle with a half-disc at each end
-    of its longer side, X by Y over all. Raises ValueError for anything else.
+    X and Y are the full widths along x and y. A stadium is a rectangle with a half disc at each end
+    of its longer side, X by Y overall. Raises ValueError for any other text.
     """
     name, _, rest = text.partition(":")
     if name.strip() not in _SHAPES:
         forms = [form for form, _, _ in _SHAPES.values()]
         known = f"{', '.join(forms[:-1])} or {forms[-1]}"
-        raise ValueError(f"'{text}' is no shape that is known: use {known} in metres")
+        raise ValueError(f"'{text}' is not a known shape: use {known} in metres")
     form, count, make = _SHAPES[name.strip()]
     words = [word.strip() for word in rest.split(",")] if rest.strip() else []
     if len(words) != count:

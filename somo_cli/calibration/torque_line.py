@@ -1,4 +1,4 @@
-"""Torque over pressure from several measured blocked forces: a straight line and its residuals."""
+"""A straight line of torque over pressure, from measured blocked forces."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from somo_cli.arrays import Array
 
 @dataclass(frozen=True, slots=True)
 class TorqueLine:
-    """torque = per_pressure * pressure + offset, by least squares.
+    """The line torque = per_pressure * pressure + offset, by least squares.
 
-    The errors are half widths of 95 % confidence intervals, infinite with two points;
-    `residuals`, one per point, are measured minus fitted torques [N·m].
+    The errors are half widths of 95 % confidence intervals, infinite for two points; `residuals`,
+    shape (n,), are measured minus fitted torques [N·m].
     """
 
     per_pressure: float  # N·m/Pa
@@ -28,7 +28,7 @@ class TorqueLine:
 
     @property
     def has_offset(self) -> bool:
-        """Whether the offset is more than the scatter of the points explains."""
+        """Whether the offset is larger than its confidence interval."""
         return abs(self.offset) > self.offset_error
 
     @property
@@ -40,8 +40,9 @@ class TorqueLine:
 def line(pressures: Sequence[float], torques: Sequence[float], through_zero: bool) -> TorqueLine:
     """Return the line through n points of pressure [Pa] and torque [N·m].
 
-    With `through_zero` no pressure makes no torque, and one point suffices; else two at different
-    pressures. Draper and Smith, Applied Regression Analysis (1998), sec. 1.4 and 2.1.
+    With `through_zero` the torque is zero without pressure, and one point is enough; otherwise two
+    points at different pressures are needed. Draper and Smith, Applied Regression Analysis (1998),
+    sec. 1.4 and 2.1.
     """
     return _line(np.asarray(pressures), np.asarray(torques), through_zero)
 
@@ -70,7 +71,7 @@ def _line(pressures: Array, torques: Array, through_zero: bool) -> TorqueLine:
 
 
 def _interval_factor(freedom: int) -> float:
-    """Half width of a 95 % interval over the standard error; infinite without freedom."""
+    """Return half width of a 95 % interval over standard error; infinite without freedom."""
     return float(stdtrit(freedom, 0.975)) if freedom > 0 else math.inf
 
 

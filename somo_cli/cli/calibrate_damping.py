@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from somo_cli.document.table import Table
     from somo_cli.scene.model import Scene
 
-_APART = 0.05  # of the frequencies measured and modelled: what is worth a warning
-
 
 @calibrate.command(epilog=EXIT_CODES)
 @report_errors
@@ -37,8 +35,8 @@ def damping(
     scene: Annotated[
         str | None,
         typer.Argument(
-            help="A definition, taken as weightless, or a scene of it with the gravity and the "
-            "pose in which it rings. [default: the definition of --patch]",
+            help="A definition, taken without gravity, or a scene of it with the gravity and the "
+            "pose of the ring-down. [default: the definition of --patch]",
             show_default=False,
         ),
     ] = None,
@@ -51,19 +49,21 @@ def damping(
         typer.Option(
             "--ring-down",
             metavar="CSV",
-            help="A measured free decay instead: column time_s, and a position or an angle.",
+            help="A measured free decay: column time_s, and a position or an angle.",
         ),
     ] = None,
     column: Annotated[
         str | None,
-        typer.Option("--column", metavar="NAME", help="The column that rings, if there are more."),
+        typer.Option(
+            "--column", metavar="NAME", help="The column of the decay, if there are several."
+        ),
     ] = None,
     begin: Annotated[
         float,
         typer.Option(
             "--from",
             metavar="S",
-            help="Leave out what is before this time [s].",
+            help="Ignore rows before this time [s].",
             show_default=False,
         ),
     ] = -math.inf,
@@ -72,7 +72,7 @@ def damping(
         typer.Option(
             "--until",
             metavar="S",
-            help="Leave out what is after this time [s].",
+            help="Ignore rows after this time [s].",
             show_default=False,
         ),
     ] = math.inf,
@@ -84,10 +84,12 @@ def damping(
 ) -> None:
     """Find the joint damping that gives the lowest mode of an axis its measured damping ratio.
 
-    Damping is made proportional to stiffness in all joints of the axis. The ring-down is fitted by
-    one decaying swing; its frequency is compared with that of the model, which tells whether mass
-    and stiffness are right.
+    The damping is proportional to the stiffness in all joints of the axis. A ring-down is fitted by
+    one decaying swing. If its frequency differs from that of the model, a warning says so: mass or
+    stiffness are wrong.
     """
+    from somo_cli.calibration import damping_report
+
     require((ratio is None) != (ring_down is None), "--ratio", "give --ratio or --ring-down")
     is_ratio = ratio is None or 0 <= ratio < 10
     require(is_ratio, "--ratio", f"{ratio} is not from 0 to 10")
@@ -100,31 +102,21 @@ def damping(
     swing = None if ring_down is None else _ring_down(ring_down, column, begin, end)
     wanted = ratio if swing is None else swing.ratio
     assert wanted is not None
-    seconds = wanted * mode.per_ratio
+    definition = found.manipulators[0].compiled.definition
+    stiffness = damping_report.axis_stiffness(definition, actuator, axis)
     if as_json:
-        about: dict[str, object] = {
-            "frequency_model": mode.frequency,
-            "ratio_model": mode.ratio,
-            "ratio": wanted,
-            "damping_over_stiffness": seconds,
-        }
-        if swing is not None:
-            about["ring_down"] = dataclasses.asdict(swing)
-        about["spring_damping"] = [seconds * value for value in _stiffness(found, actuator, axis)]
-        typer.echo(json.dumps(about, indent=2))
+        data = damping_report.plain_data(mode, swing, wanted, stiffness)
+        typer.echo(json.dumps(data, indent=2))
     else:
-        _print(found, mode, swing, wanted, actuator, axis)
-    if swing is not None and abs(mode.frequency / swing.frequency - 1) > _APART:
-        terminal.print_message(
-            f"somo: warning: the model swings at {mode.frequency:.4g} rad/s, what was measured at "
-            f"{swing.frequency:.4g}"
-        )
-        terminal.print_message(
-            "  hint: stiffness over inertia should be "
-            f"{(swing.frequency / mode.frequency) ** 2:.3g} times what it is; check the mass, the "
-            "stiffness, and that the scene is how it hung"
-        )
-    _write_result(document, found, actuator, axis, seconds, write, patch)
+        for line in damping_report.lines(mode, swing, wanted, stiffness):
+            typer.echo(line)
+    warning = None if swing is None else damping_report.frequency_warning(mode, swing)
+    if warning is not None:
+        message, hint = warning
+        terminal.print_message(f"somo: warning: {message}")
+        terminal.print_message(f"  hint: {hint}")
+    damped = [wanted * mode.per_ratio * value for value in stiffness]
+    _write_result(document, damped, actuator, axis, write, patch)
 
 
 def _scene(path: str) -> "tuple[Document, Scene]":
@@ -172,61 +164,22 @@ def _only_column(table: "Table") -> str:
     names = [name for name in table.names if name != "time_s"]
     if len(names) != 1:
         known = ", ".join(names[:4]) + (", ..." if len(names) > 4 else "") if names else "none"
-        message = f"there are {len(names)} columns beside time_s: {known}"
+        message = f"there are {len(names)} columns besides time_s: {known}"
         place = table.header_span(table.names[0])
-        hint = "choose the one that rings with --column" if names else "add a column that rings"
+        hint = (
+            "choose the column of the decay with --column"
+            if names
+            else "add a column with the decay"
+        )
         raise InvalidFile([Problem(place, message, hint)], table.texts)
     return names[0]
 
 
-def _stiffness(scene: "Scene", actuator: int, axis: int) -> list[float]:
-    """Return the stiffness of the joint definitions of the axis, one or each."""
-    one = scene.manipulators[0].compiled.definition.actuators[actuator]
-    pairs = zip(one.channels, one.joints, strict=True)
-    found = [joint.stiffness for channel, joint in pairs if channel == axis]
-    return found if len(set(found)) > 1 else found[:1]
-
-
-def _print(
-    scene: "Scene",
-    mode: "Mode",
-    swing: "RingDown | None",
-    wanted: float,
-    actuator: int,
-    axis: int,
-) -> None:
-    from somo_cli.analysis.text_table import table_lines
-    from somo_cli.calibration.report import with_error
-
-    rows = [["model as it is", f"{mode.frequency:.6g} rad/s", f"{mode.ratio:.4g}"]]
-    if swing is not None:
-        frequency = with_error(swing.frequency, swing.frequency_error, "rad/s")
-        rows.append(["measured", frequency, with_error(swing.ratio, swing.ratio_error, "").strip()])
-    for line in table_lines([["lowest mode of the axis", "frequency", "damping ratio"], *rows]):
-        typer.echo(line)
-    if swing is not None:
-        typer.echo(
-            f"ring-down: {swing.periods:.3g} periods, decay {swing.decay:.4g} 1/s, "
-            f"residual {swing.residual:.2g}, {100 * swing.explained:.4g} % of the motion explained"
-        )
-    if mode.is_alone:
-        typer.echo("there are other actuators: all other joints are taken as held")
-    elif mode.share < 0.99:
-        typer.echo(f"{100 * mode.share:.3g} % of the mode's elastic energy is in this axis")
-    seconds = wanted * mode.per_ratio
-    values = [f"{seconds * value:.6g}" for value in _stiffness(scene, actuator, axis)]
-    typer.echo(
-        f"for a damping ratio of {wanted:.4g}: spring_damping {', '.join(values)} N·m·s/rad, "
-        f"{seconds:.4g} s times spring_stiffness"
-    )
-
-
 def _write_result(
     document: "Document",
-    scene: "Scene",
+    damping: list[float],
     actuator: int,
     axis: int,
-    seconds: float,
     write: str | None,
     patch: str | None,
 ) -> None:
@@ -235,12 +188,5 @@ def _write_result(
 
     at = ("manipulators", 0, "definition") if is_scene(document) else ()
     places = joint_pointers.pointers(document, at, actuator, axis)
-    stiffness = _stiffness(scene, actuator, axis)
-    profile = [value / stiffness[0] for value in stiffness]
-    values = joint_pointers.values(
-        places,
-        "spring_damping",
-        seconds * stiffness[0],
-        profile if len(profile) == len(places) else None,
-    )
+    values = joint_pointers.values(places, "spring_damping", damping)
     write_result(document, values, "", write, patch, {"spring_damping": "spring_stiffness"})

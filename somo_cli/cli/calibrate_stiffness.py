@@ -34,7 +34,6 @@ from somo_cli.cli.calibrate_joints import (
 from somo_cli.cli.calibrate_result import write_result
 
 if TYPE_CHECKING:
-    from somo_cli.calibration.beam_comparison import BeamComparison
     from somo_cli.calibration.moment_arms import MomentArms
 
 
@@ -47,13 +46,13 @@ def stiffness(
         typer.Option(
             "--tip-stiffness",
             metavar="K",
-            help="Force on the tip over its deflection [N/m]; moment over angle [N·m/rad] where "
-            "the axis twists.",
+            help="Force on the tip over its deflection [N/m]; for torsion, moment over angle "
+            "[N·m/rad].",
         ),
     ] = None,
     rigidity: Annotated[
         float | None,
-        typer.Option("--rigidity", metavar="EI", help="Of a uniform beam [N·m²]; GJ for torsion."),
+        typer.Option("--rigidity", metavar="EI", help="EI of a beam [N·m²]; GJ for torsion."),
     ] = None,
     modulus: Annotated[
         float | None,
@@ -69,7 +68,7 @@ def stiffness(
     ] = None,
     bore: Annotated[
         str | None,
-        typer.Option("--bore", metavar="SHAPE", help="A hollow in the middle of the section."),
+        typer.Option("--bore", metavar="SHAPE", help="A concentric hole in the section."),
     ] = None,
     poisson: Annotated[
         float,
@@ -89,7 +88,7 @@ def stiffness(
         typer.Option(
             "--rule",
             metavar="exact|somo",
-            help="Which stiffness to write; somo is the formula of SoMo's notes, for comparison.",
+            help="The rule for the stiffness to write; somo is the formula of SoMo's notes.",
         ),
     ] = "exact",
     numbers: Annotated[
@@ -100,18 +99,20 @@ def stiffness(
     patch: PatchOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Find the joint stiffness whose chain has exactly a given tip stiffness.
+    """Find the joint stiffness that gives a chain exactly the required tip stiffness.
 
-    The actuator is clamped by itself. Of a definition alone, without a stiffness, it tells the tip
-    stiffness that it has.
-    Joints count where they lie: alternating axes, half-length ends, Gauss points. The second table
-    says how far chains of more or fewer joints, all with this tip stiffness, are from a uniform
-    beam: along their length under a force on the tip, at the tip under an end moment, under the
-    own weight and under a large force, and in their first frequency; and how much higher the
-    highest frequency is, which asks for shorter steps.
+    The actuator is clamped by itself. Without a required stiffness, the command reports the tip
+    stiffness of the definition. The position of every joint is taken into account: alternating
+    axes, half segments at the ends, Gauss points.
+
+    The second table compares chains with other numbers of joints, all of this tip stiffness, with
+    a uniform beam: along the length under a force on the tip, at the tip under an end moment, under
+    the weight of the beam and under a large force, and in the first frequency. The ratio of the
+    highest frequency to the first determines how short explicit time steps must be.
     """
     from somo_cli.calibration import report
     from somo_cli.calibration.beam_comparison import compare_placements, compare_with_beam
+    from somo_cli.calibration.moment_arms import first_joint_stiffness
 
     which = parse_rule(rule)
     known = joints_to_calibrate(
@@ -124,7 +125,7 @@ def stiffness(
         patch,
     )
     moment_arms = known.moment_arms
-    own = _own(known, actuator, axis)
+    own = first_joint_stiffness(known.definition, actuator, axis)
     wanted = _wanted(moment_arms, own, tip_stiffness, rigidity, modulus, section, bore, poisson)
     is_known = which == "exact" or moment_arms.kind == "bending"
     require(is_known, "--rule", "SoMo has no formula for torsion")
@@ -134,7 +135,9 @@ def stiffness(
     others = list(compare_placements(known.made, parse_joint_counts("--numbers", numbers)))
     this = compare_with_beam(moment_arms, known.placement)
     if as_json:
-        typer.echo(json.dumps(_plain(moment_arms, wanted, found, [*others, this]), indent=2))
+        typer.echo(
+            json.dumps(report.plain_data(moment_arms, wanted, found, [*others, this]), indent=2)
+        )
     else:
         typer.echo(report.described(moment_arms))
         for line in report.stiffness_lines(moment_arms, wanted, own):
@@ -156,7 +159,7 @@ def _wanted(
     bore: str | None,
     poisson: float,
 ) -> float:
-    """Return the tip stiffness that the options ask for, else that of the definition."""
+    """Return the tip stiffness that the options require, or else that of the definition."""
     ways = {"--tip-stiffness": tip_stiffness, "--rigidity": rigidity, "--modulus": modulus}
     chosen = [name for name, value in ways.items() if value is not None]
     names = "--tip-stiffness, --rigidity or --modulus with --section"
@@ -179,7 +182,7 @@ def _wanted(
 
 
 def _moment(moment_arms: "MomentArms", section: str, bore: str | None, poisson: float) -> float:
-    """Return what a modulus is multiplied by [m⁴]: I, or J over 2 (1 + Poisson's ratio)."""
+    """Return rigidity over modulus [m⁴]: I, or J / (2 (1 + Poisson's ratio)) for torsion."""
     from somo_cli.calibration.section import parse_section
 
     try:
@@ -191,20 +194,6 @@ def _moment(moment_arms: "MomentArms", section: str, bore: str | None, poisson: 
         return shape.second_moment(moment_arms.direction[:2])
     except ValueError as error:
         raise typer.BadParameter(str(error), param_hint="'--section'") from error
-
-
-def _own(known: JointsToCalibrate, actuator: int, axis: int) -> float | None:
-    """Return the stiffness of the axis's first joint in the definition, None if there is none."""
-    if known.definition is None:
-        return None
-    one = known.definition.actuators[actuator]
-    pairs = zip(one.channels, one.joints, strict=True)
-    found = (
-        joint.stiffness
-        for channel, joint in pairs
-        if channel == axis and joint.joint_type != "fixed"
-    )
-    return next(found) or None
 
 
 def _write_result(
@@ -228,40 +217,6 @@ def _write_result(
         write_result(None, {}, piece, write, patch)
         return
     places = joint_pointers.pointers(known.document, (), actuator, axis)
-    profile = known.moment_arms.profile.tolist()
-    values = joint_pointers.values(places, "spring_stiffness", found, profile)
+    wanted = (found * known.moment_arms.profile).tolist()
+    values = joint_pointers.values(places, "spring_stiffness", wanted)
     write_result(known.document, values, "", write, patch, {"spring_stiffness": "limits"})
-
-
-def _plain(
-    moment_arms: "MomentArms", wanted: float, found: float, followed: "list[BeamComparison]"
-) -> dict[str, object]:
-    return {
-        "kind": moment_arms.kind,
-        "places_m": moment_arms.places.tolist(),
-        "at_m": moment_arms.at,
-        "tip_stiffness": wanted,
-        "rigidity": moment_arms.rigidity(wanted),
-        "spring_stiffness": found,
-        "tip_stiffness_made": moment_arms.tip_stiffness(found),
-        "profile": moment_arms.profile.tolist(),
-        "chains": [_plain_chain(one, wanted) for one in followed],
-    }
-
-
-def _plain_chain(one: "BeamComparison", wanted: float) -> dict[str, object]:
-    known = {
-        "moment": one.moment,
-        "weight": one.weight,
-        "large": one.large,
-        "frequency": one.frequency,
-        "top": one.top,
-    }
-    return {
-        "joints": one.moment_arms.count,
-        "placement": one.placement,
-        "spring_stiffness": one.moment_arms.stiffness(wanted),
-        "along": one.along,
-        "errors_at_tenths": one.profile.tolist(),
-        **{key: None if math.isnan(value) else value for key, value in known.items()},
-    }

@@ -98,7 +98,7 @@ def torque(
     pressures give a straight line and the torque per pressure, which --patch puts into the joint
     definition for scenes that are driven by pressure.
     """
-    from somo_cli.calibration.blocked_force_points import fitted, lines, plain_data
+    from somo_cli.calibration.blocked_force_points import fitted_line, lines, plain_data
 
     which = parse_rule(rule)
     known = joints_to_calibrate(
@@ -112,7 +112,7 @@ def torque(
     )
     points = _points(force, pressure, data)
     pressed = _pressed(known, actuator, axis, small_angles, points)
-    through = fitted(pressed, which, through_zero or data is None)
+    through = fitted_line(pressed, which, through_zero or data is None)
     per_pressure = None if through is None else through.per_pressure
     is_patchable = patch is None or per_pressure is not None
     require(is_patchable, "--patch", "give the --pressure, too: a definition has torque per pascal")
@@ -160,12 +160,15 @@ def _pressed(
     small_angles: bool,
     points: list[tuple[float | None, float]],
 ) -> "list[BlockedForcePoint]":
-    from somo_cli.calibration.blocked_force_points import AxisInDefinition, press
+    from somo_cli.calibration.blocked_force_points import AxisInDefinition, blocked_force_point
 
     springs = None
     if known.definition is not None and not small_angles:
         springs = AxisInDefinition(known.definition, actuator, axis)
-    found = [press(known.moment_arms, springs, pressure, force) for pressure, force in points]
+    found = [
+        blocked_force_point(known.moment_arms, springs, pressure, force)
+        for pressure, force in points
+    ]
     for one in found:
         if springs is not None and one.equilibrium is None and known.moment_arms.kind == "bending":
             terminal.print_message(
@@ -200,6 +203,6 @@ def _write_result(
         write_result(None, {}, piece, write, None)
     else:
         places = joint_pointers.pointers(known.document, (), actuator, axis)
-        values = joint_pointers.values(places, "torque_per_pressure", per_pressure)
+        values = joint_pointers.values(places, "torque_per_pressure", [per_pressure])
         beside = {"torque_per_pressure": "spring_stiffness"}
         write_result(known.document, values, "", write, patch, beside)

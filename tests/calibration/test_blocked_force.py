@@ -85,6 +85,6 @@ def test_no_force_takes_no_torque() -> None:
     assert (found.torque, np.abs(found.angles).max()) == (0, 0)
 
 
-def test_torsion_needs_no_such_thing() -> None:
+def test_for_torsion_there_is_no_equilibrium_to_solve() -> None:
     definition = definition_of(actuator(4, Z))
     assert blocked_equilibrium(definition, 0, 0, of_definition(definition, 0, 0), 1.0) is None

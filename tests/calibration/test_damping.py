@@ -57,7 +57,7 @@ def test_gravity_softens_what_stands_and_may_topple_it() -> None:
         lowest_mode(plan_of(one, gravity=[0, 0, -9810.0]), 0, 0, 0)
 
 
-def test_of_several_actuators_the_others_are_held() -> None:
+def test_of_several_actuators_the_others_are_locked() -> None:
     three = plan_of(actuator(4, X, Y), actuator(4, X, Y), actuator(4, X, Y))
     found = lowest_mode(three, 0, 1, 0)
     assert found.is_alone
@@ -77,7 +77,7 @@ def test_without_springs_there_is_no_mode() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("ratio", [0.02, 0.2])
-def test_a_simulated_finger_rings_down_as_it_was_told(ratio: float) -> None:
+def test_a_simulated_finger_rings_down_with_its_damping_ratio(ratio: float) -> None:
     pytest.importorskip("pybullet")
     bare = plan_of(actuator(8, X, Y))
     mode = lowest_mode(bare, 0, 0, 0)

@@ -26,7 +26,7 @@ from tests.truth.fitted import (
 pytestmark = pytest.mark.slow
 
 
-def test_it_finds_stiffness_damping_and_gain_again() -> None:
+def test_a_fit_recovers_stiffness_damping_and_gain() -> None:
     pytest.importorskip("pybullet")
     whole, *half = halves(noisy()).values()
     found, measured = fitted(scene_of(**GUESS), whole)
@@ -34,7 +34,7 @@ def test_it_finds_stiffness_damping_and_gain_again() -> None:
     assert max(map(abs, off(found).values())) < 0.01
     assert found.residual_rms == pytest.approx(1e-4, rel=0.2)
     assert found.first_residual_rms.max() > 1e-2
-    truth = np.array([TRUTH[one.what][one.axis] for one in found.parameters])
+    truth = np.array([TRUTH[one.kind][one.axis] for one in found.parameters])
     assert (np.abs(found.values - truth) < 2 * found.errors).all()
     assert list(fit_diagnostics(found, measured.scatter)) == []
     # and from half of the data to three per cent
@@ -65,7 +65,7 @@ def test_angles_and_positions_are_weighed_by_their_scatter() -> None:
     assert found.values == pytest.approx([0.1, 0.3], rel=0.002)
 
 
-def test_slow_motion_cannot_tell_stiffness_from_gain() -> None:
+def test_slow_motion_does_not_distinguish_stiffness_from_gain() -> None:
     pytest.importorskip("pybullet")
     # twenty times slower than the pulses, and damped so that nothing swings
     slow = {"gravity": [0, 0, 0], "time_step": 1e-2, "stretch": 20}
@@ -74,14 +74,14 @@ def test_slow_motion_cannot_tell_stiffness_from_gain() -> None:
     found, measured = fitted(scene, text, ("stiffness", "gain"))
     said = list(fit_diagnostics(found, measured.scatter))
     assert any(
-        "cannot tell the stiffness of actuator 0, axis 0 from the gain of actuator 0, axis 0" in one
+        "do not distinguish the stiffness of actuator 0, axis 0 from the gain of actuator 0" in one
         for one in said
     )
     alone, measured = fitted(scene, text, ("stiffness",))
     assert list(fit_diagnostics(alone, measured.scatter)) == []
 
 
-def test_what_does_not_show_stays_as_it_is() -> None:
+def test_a_parameter_without_effect_keeps_its_guess() -> None:
     pytest.importorskip("pybullet")
     still = scene_of(gravity=[0, 0, 0])
     one = still.manipulators[0]
@@ -91,22 +91,22 @@ def test_what_does_not_show_stays_as_it_is() -> None:
     found, measured = fitted(half, text, ("stiffness",))
     assert [one.name for one in found.insensitive] == ["stiffness of actuator 0, axis 1"]
     assert next(fit_diagnostics(found, measured.scatter)) == (
-        "the data say nothing about the stiffness of actuator 0, axis 1: it stays at 0.3"
+        "the data do not depend on the stiffness of actuator 0, axis 1, which stays at 0.3"
     )
     nowhere = recorded(half, 200, ("tip.x_m",), noise=1e-4)
     with pytest.raises(NothingToFit, match="depends on the parameters"):
         fitted(half, nowhere, ("stiffness",))
 
 
-def test_a_model_that_does_not_follow_is_told() -> None:
+def test_a_model_that_does_not_follow_is_reported() -> None:
     pytest.importorskip("pybullet")
     text = recorded(scene_of(gravity=[3, 0, -9.81]), 500, TIP, noise=1e-4)
     found, measured = fitted(scene_of(), text, ("stiffness",))
     assert found.autocorrelation > 0.9
-    assert "what is left over is no noise" in list(fit_diagnostics(found, measured.scatter))[-1]
+    assert "the residuals are not noise" in list(fit_diagnostics(found, measured.scatter))[-1]
 
 
-def test_times_between_the_steps_are_met() -> None:
+def test_times_may_lie_between_the_steps() -> None:
     pytest.importorskip("pybullet")
     exact = recorded(scene_of(record={"every": 1}), 400, TIP)
     header, *rows = exact.split("\n")
@@ -122,7 +122,7 @@ def test_times_between_the_steps_are_met() -> None:
 
 def test_parameters_start_at_what_the_scene_says() -> None:
     known = list(parameters(scene_of().manipulators[0], PARAMETER_KINDS))
-    assert [(one.what, one.axis, one.guess) for one in known] == [
+    assert [(one.kind, one.axis, one.guess) for one in known] == [
         ("stiffness", 0, 0.1),
         ("damping", 0, 4e-4),
         ("gain", 0, 1.0),

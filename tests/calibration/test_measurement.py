@@ -25,7 +25,7 @@ def recorded(text: str, *chosen: str) -> Measurement:
     return measurement(read_table(text, "a.csv"), SCENE, chosen)
 
 
-def told(text: str, *chosen: str) -> list[tuple[int, int, str]]:
+def problems(text: str, *chosen: str) -> list[tuple[int, int, str]]:
     with pytest.raises(InvalidFile) as error:
         recorded(text, *chosen)
     found = error.value.problems
@@ -84,22 +84,22 @@ def test_only_the_chosen_ones_count() -> None:
     assert recorded(text, "body.tip.x_m").names == ("body.tip.x_m",)
     full = text.replace("tip.x_m", "body.tip.x_m")
     assert recorded(full, "tip.x_m").names == ("body.tip.x_m",)
-    assert told(text, "tip.y_m", "tip.z_m") == [
+    assert problems(text, "tip.y_m", "tip.z_m") == [
         (1, 1, "there is no column 'tip.y_m'"),
         (1, 1, "there is no column 'tip.z_m'"),
     ]
-    assert told(text) == [(1, 16, "the scene records no column 'force_n'")]
+    assert problems(text) == [(1, 16, "the scene records no column 'force_n'")]
 
 
-def test_faults_are_told_all_at_once() -> None:
+def test_problems_are_reported_all_at_once() -> None:
     text = "time_s,tip.x_m,tp.y_m,body.tip.x_m,energy.kinetic_j\n-0.1,1,2,3,4\n0,1,2,3,4\n"
-    assert told(text) == [
+    assert problems(text) == [
         (1, 16, "the scene records no column 'tp.y_m'"),
         (1, 23, "'body.tip.x_m' and 'tip.x_m' are the same column"),
         (1, 36, "the scene records no column 'energy.kinetic_j'"),
         (2, 1, "time -0.1 s is before the start"),
     ]
-    assert told("time_s\n0\n1\n") == [(1, 1, "there is no column beside time_s")]
+    assert problems("time_s\n0\n1\n") == [(1, 1, "there is no column besides time_s")]
 
 
 def test_a_quantity_has_one_weight() -> None:

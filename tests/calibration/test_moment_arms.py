@@ -168,11 +168,11 @@ def test_the_shipped_finger() -> None:
             actuator(2, X, X | {"spring_stiffness": 0}, planar_flag=2),
             0,
             0,
-            "some joints of the axis have no spring",
+            "some joints of the axis have a spring, and others have none",
         ),
     ],
 )
-def test_what_has_no_levers(data: Data, index: int, axis: int, message: str) -> None:
+def test_axes_without_moment_arms(data: Data, index: int, axis: int, message: str) -> None:
     with pytest.raises(NoMomentArms, match=message):
         of_definition(definition_of(data), index, axis)
 

@@ -154,18 +154,18 @@ T = np.arange(50.0)
         (
             np.where(T == 9, 8.0, T),
             T,
-            "time 10 of the record, 8 s, is not after the one before it, 8 s",
+            "time 10 of the record, 8 s, is not after the time before it, 8 s",
         ),
         (T, 0 * T + 0.3, "the values are constant, 0.3: there is no swing in the record"),
         (T, 0 * T, "the values are constant, 0: there is no swing in the record"),
         (
             T,
             np.exp(-T / 8),
-            "the values creep back and do not swing: the damping ratio is 1",
+            "the values return to rest without a swing: the damping ratio is 1",
         ),
     ],
 )
-def test_what_is_no_swing_is_refused(times: Array, values: Array, message: str) -> None:
+def test_data_without_a_decay_are_refused(times: Array, values: Array, message: str) -> None:
     assert refusal(times, values) == message
 
 
@@ -180,7 +180,7 @@ def test_three_samples_per_period_are_refused() -> None:
     times = even(0.01, 20, 61)
     assert refusal(times, swing(times, 0.01)) == (
         "the record has 3 samples per period: a fit needs 4 or more, because with fewer the "
-        "frequency may be another one; sample faster"
+        "frequency is ambiguous; sample faster"
     )
 
 
@@ -197,7 +197,7 @@ def test_a_growing_swing_is_refused(ratio: float) -> None:
 def test_noise_alone_is_refused(seed: int) -> None:
     message = refusal(even(0.0, 10, 200), noise(200, seed))
     found = re.fullmatch(
-        "the record does not look like one decaying swing: it explains only ([0-9]+) % of the "
+        "the record does not look like one decaying swing, which explains only ([0-9]+) % of the "
         "data; cut the record with --from/--until, or choose another column",
         message,
     )

@@ -59,7 +59,7 @@ def test_area_and_second_moments_are_those_of_the_integrals(text: str) -> None:
 
 
 @pytest.mark.parametrize("bore", ["disc:0.003", "box:0.012,0.004", "stadium:0.015,0.006"])
-def test_a_bore_takes_away_what_it_is(bore: str) -> None:
+def test_a_bore_is_subtracted(bore: str) -> None:
     outer = parse_section("stadium:0.03,0.01")
     hollow = outer.without(parse_section(bore))
     solid, void = integrated("stadium:0.03,0.01"), integrated(bore)
@@ -187,13 +187,15 @@ def test_a_bore_has_to_fit_strictly_inside(outer: str, bore: str, fits: bool) ->
             section.without(void)
 
 
-def test_there_is_one_bore_and_it_is_plain() -> None:
+def test_there_is_one_bore_and_it_has_none_itself() -> None:
     def hollow(outer: str, bore: str) -> Section:
         return parse_section(outer).without(parse_section(bore))
 
     with pytest.raises(ValueError, match="'disc:3' has a bore already: 'disc:1'"):
         hollow("disc:3", "disc:1").without(parse_section("disc:2"))
-    with pytest.raises(ValueError, match="the bore 'disc:2 with a bore of disc:1' is hollow"):
+    with pytest.raises(
+        ValueError, match="the bore 'disc:2 with a bore of disc:1' has a bore itself"
+    ):
         parse_section("disc:3").without(hollow("disc:2", "disc:1"))
 
 
@@ -213,12 +215,12 @@ def test_there_is_one_bore_and_it_is_plain() -> None:
         ("disc:1e-10", "1e-10 in 'disc:1e-10' is not from 1e-09 to 1000: disc:R in metres"),
         (
             "circle:1",
-            "'circle:1' is no shape that is known: use box:X,Y, disc:R or stadium:X,Y in metres",
+            "'circle:1' is not a known shape: use box:X,Y, disc:R or stadium:X,Y in metres",
         ),
-        ("", "'' is no shape that is known: use box:X,Y, disc:R or stadium:X,Y in metres"),
+        ("", "'' is not a known shape: use box:X,Y, disc:R or stadium:X,Y in metres"),
     ],
 )
-def test_what_is_no_section_is_said(text: str, message: str) -> None:
+def test_other_texts_are_not_sections(text: str, message: str) -> None:
     with pytest.raises(ValueError, match=f"^{re.escape(message)}$"):
         parse_section(text)
 

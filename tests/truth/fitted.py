@@ -72,11 +72,11 @@ def recorded(
 
 
 def fitted(
-    guess: Scene, text: str, whats: Sequence[ParameterKind] = PARAMETER_KINDS
+    guess: Scene, text: str, kinds: Sequence[ParameterKind] = PARAMETER_KINDS
 ) -> tuple[FitResult, Measurement]:
     measured = measurement(read_table(text, "a.csv"), guess, ())
     model = SceneModel(guess, measured, BulletWorld, lambda runs: None)
-    return fit(model, measured, list(parameters(guess.manipulators[0], whats))), measured
+    return fit(model, measured, list(parameters(guess.manipulators[0], kinds))), measured
 
 
 GUESS: dict[str, Any] = {"stiffness": (0.14, 0.22), "damping": (8e-4, 3e-4), "gain": 1.3}
@@ -86,7 +86,7 @@ TRUTH = {"stiffness": (0.1, 0.3), "damping": (4e-4, 6e-4), "gain": (1 / 1.3, 1 /
 def off(found: FitResult) -> dict[str, float]:
     """Return the relative error of every parameter."""
     return {
-        one.name: value / TRUTH[one.what][one.axis] - 1
+        one.name: value / TRUTH[one.kind][one.axis] - 1
         for one, value in zip(found.parameters, found.values, strict=True)
     }
 
