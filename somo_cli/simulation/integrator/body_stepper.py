@@ -94,7 +94,7 @@ class BodyStepper:
             (drive.signal.at, _setter(self.actuation, drive.joints)) for drive in body.drives
         ]
         self._given_torques: dict[tuple[int, ...], _GivenTorque] = {}
-        self._time = 0.0  # s, of the actuation
+        self._actuation_time = 0.0  # s, of the actuation
         self._dynamics: ChainDynamics | None = None
         self.read_state = self._make_read_state()
 
@@ -106,7 +106,7 @@ class BodyStepper:
 
     def actuate(self, time: float) -> None:
         """Set the actuation torques of a time [s], and the loads at the present pose."""
-        self._time = time
+        self._actuation_time = time
         for at, put in self._drives:
             put(at(time))
         for given in self._given_torques.values():
@@ -131,7 +131,7 @@ class BodyStepper:
         """Return the actuation torque of each joint in the present step [N·m], shape (n,)."""
         torques: Array = np.zeros(len(self.law.rates))
         for drive in self.body.drives:
-            torques[list(drive.joints)] = drive.si_signal.at(self._time)
+            torques[list(drive.joints)] = drive.si_signal.at(self._actuation_time)
         for joints, given in self._given_torques.items():
             torques[list(joints)] = given.si_torque
         return torques
