@@ -1,4 +1,4 @@
-"""What a fault is: Span, Problem and the errors a person can put right; imports nothing of ours."""
+"""Problems of files and their positions, the errors that a user can put right, and their words."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from difflib import get_close_matches
 from typing import Literal, TypeAlias
 
 Pointer: TypeAlias = tuple[str | int, ...]
-"""The way to a value from the root of a document, such as `("links", 0, "mass")`."""
+"""The keys and indices from the root of a document to a value, such as `("links", 0, "mass")`."""
 
 LINE_BREAK = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
-"""Where the lines of a text end for YAML, and so for a Span."""
+"""A line break of YAML, and so of a Span."""
 
 MAX_TEXT_BYTES = 1_000_000
-"""The most a file of ours may hold [bytes]."""
+"""The largest definition or scene [bytes]."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
 class Span:
-    """A place in a text; line and column count from 1, the width is in characters."""
+    """A position in a text; line and column count from 1, the width is in characters."""
 
     source: str
     line: int
@@ -30,9 +30,9 @@ class Span:
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """One fault: where it is, what is wrong with the value in it, and what would be right.
+    """One problem of a file: its position, what is wrong there, and what to do about it.
 
-    A finding of numerics has a `code` that scripts can tell it by; info is nothing to put right.
+    Findings that scripts may want to recognise have a `code`. An info needs no change.
     """
 
     span: Span
@@ -56,6 +56,22 @@ def has_warnings(problems: Iterable[Problem]) -> bool:
     return any(problem.severity == "warning" for problem in problems)
 
 
+def pointer_text(pointer: Pointer) -> str:
+    """Return a pointer as a person writes it, such as "'links[0].mass'"."""
+    steps = (f"[{step}]" if isinstance(step, int) else f".{step}" for step in pointer)
+    return "'" + "".join(steps).removeprefix(".") + "'" if pointer else "the file"
+
+
+def counted(number: int, noun: str) -> str:
+    """Return a number with its noun, such as "1 row" and "2 rows"."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+def shortened(text: str) -> str:
+    """Return a text of a file for a message, cut to 60 characters."""
+    return text if len(text) <= 60 else text[:56] + " ..."
+
+
 def did_you_mean(name: object, known: Iterable[str], likeness: float = 0.6) -> str:
     """Return a hint with the known name that is most like `name`; empty if none is like it.
 
@@ -74,10 +90,10 @@ def closest_name(name: object, known: Iterable[str], likeness: float = 0.6) -> s
 def in_reading_order(
     problems: Iterable[Problem], sources: Iterable[str] = ()
 ) -> tuple[Problem, ...]:
-    """Sort problems by source, line and column, and drop repetitions.
+    """Return problems sorted by source, line and column, each once.
 
-    The sources given come first, the others in the order in which they first appear; problems at
-    one place keep their order.
+    The `sources` come first, then others in the order in which they first appear. Problems at the
+    same position keep their order.
     """
     unique = tuple(dict.fromkeys(problems))
     order = dict.fromkeys((*sources, *(problem.span.source for problem in unique)))
@@ -86,16 +102,16 @@ def in_reading_order(
 
 
 class SomoError(Exception):
-    """Anything the user can put right."""
+    """An error that the user can put right."""
 
 
 class InvalidFile(SomoError):
-    """Every fault of one stage; `texts` maps a source to its text, for the caret lines."""
+    """All problems that one stage found; `texts` has the text of each source, to show the lines."""
 
     def __init__(self, problems: Iterable[Problem], texts: Mapping[str, str] | None = None) -> None:
         self.texts: Mapping[str, str] = dict(texts or {})
         self.problems = in_reading_order(problems, self.texts)
-        # Exceptions travel between processes by their args.
+        # pickle makes exceptions anew from their args
         super().__init__(self.problems, self.texts)
 
     def __str__(self) -> str:
@@ -103,7 +119,7 @@ class InvalidFile(SomoError):
 
 
 class SimulationDiverged(SomoError):
-    """The run left the region where its numbers mean anything, at `time` [s]."""
+    """The motion of a run diverged at `time` [s]: its results are no longer meaningful."""
 
     def __init__(
         self,
@@ -128,7 +144,7 @@ class SimulationDiverged(SomoError):
 
 
 class EngineRefused(SomoError):
-    """The engine would not take a body we compiled."""
+    """The engine did not load a body, or loaded it wrongly."""
 
     def __init__(self, body: str, reason: str) -> None:
         self.body = body

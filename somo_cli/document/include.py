@@ -7,7 +7,8 @@ from dataclasses import replace
 from typing import TypeAlias
 
 from somo_cli.document.edit import embed_all
-from somo_cli.document.parse import MAX_VALUES, Document, parse
+from somo_cli.document.parse import Document, parse
+from somo_cli.document.yaml_nodes import MAX_VALUES
 from somo_cli.problems import InvalidFile, Pointer, Problem, Span
 
 OpenText: TypeAlias = Callable[[str, str], tuple[str, str]]

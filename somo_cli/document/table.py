@@ -1,4 +1,4 @@
-"""A CSV of numbers under a header, as it was written, with the place of every cell."""
+"""Tables of numbers under a header, read from CSV, with the position of every cell."""
 
 from __future__ import annotations
 
@@ -9,14 +9,21 @@ from dataclasses import dataclass
 from itertools import compress, dropwhile
 from operator import not_
 
-from somo_cli.problems import LINE_BREAK, InvalidFile, Problem, Span, did_you_mean
+from somo_cli.document.csv_cells import cells_of, line_span, plain_numbers, values_of
+from somo_cli.problems import (
+    LINE_BREAK,
+    InvalidFile,
+    Problem,
+    Span,
+    counted,
+    did_you_mean,
+    shortened,
+)
 
 MAX_PROBLEMS = 20
-"""The most faults of one file that are reported: what is wrong in one row is often so in all."""
+"""The most problems of one file that are reported: most rows often have the same one."""
 
-_CELL = re.compile(r'[ \t]*(?:"(?P<quoted>(?:[^"]|"")*)"[ \t]*(?=,|$)|(?P<plain>[^,]*))')
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
-_PLAIN_ROW = re.compile(r"[-+.,0-9eE \t]+")
 _NOT_FINITE = re.compile(r"[-+]?(?:inf|infinity|nan)", re.IGNORECASE)
 _OTHER_SEPARATOR = re.compile(r"\S\s*?([;\t])")
 _POINT = "are these decimal commas? write 0.5, not 0,5"
@@ -41,33 +48,23 @@ class Table:
         return {self.source: self.text}
 
     def header_span(self, name: str) -> Span:
-        """Say where the name of a column is written; raise ValueError if there is no such one."""
+        """Return the position of the name of a column; raise ValueError for an unknown name."""
         return self._span(self.lines[0], name)
 
     def cell_span(self, row: int, name: str) -> Span:
-        """Say where a number is written; row 0 is the first under the header."""
+        """Return the position of a number; row 0 is the first under the header."""
         return self._span(self.lines[1:][row], name)
 
     def _span(self, line: int, name: str) -> Span:
-        cells = _cells(LINE_BREAK.split(self.text)[line - 1])
+        cells = cells_of(LINE_BREAK.split(self.text)[line - 1])
         return cells[self.names.index(name)].span(self.source, line)
 
 
-@dataclass(frozen=True, slots=True)
-class _Cell:
-    value: str
-    column: int
-    width: int
-
-    def span(self, source: str, line: int) -> Span:
-        return Span(source, line, self.column, max(1, self.width))
-
-
 def read_table(text: str, source: str) -> Table:
-    """Read a CSV: a header that names the columns, and rows of finite numbers under it.
+    """Return the table in a CSV text: a header with the column names, then rows of finite numbers.
 
     Blank lines, and lines that start with '#' above the header, are skipped. Raises InvalidFile
-    with the first MAX_PROBLEMS faults.
+    with the first MAX_PROBLEMS problems.
     """
     text = text.removeprefix("\ufeff")
     texts = {source: text}
@@ -75,21 +72,21 @@ def read_table(text: str, source: str) -> Table:
     if not lines:
         raise InvalidFile([Problem(Span(source, 1, 1), "the file is empty")], texts)
     (top, header), rows = lines[0], lines[1:]
-    names = tuple(cell.value for cell in _cells(header))
-    numbers = [_plain_numbers(line) for _, line in rows]
+    names = tuple(cell.value for cell in cells_of(header))
+    numbers = [plain_numbers(line) for _, line in rows]
     problems = _separator_problems(header, Span(source, top, 1))
     if not problems:
         problems = _name_problems(header, Span(source, top, 1))
         if not rows:
             message = "no row follows the header"
-            problems.append(Problem(_line_span(header, Span(source, top, 1)), message))
+            problems.append(Problem(line_span(header, Span(source, top, 1)), message))
         is_sound = [len(values) == len(names) for values in numbers]
         most = MAX_PROBLEMS - len(problems)
         problems.extend(_row_problems(rows, is_sound, len(names), source, most))
     if problems:
         raise InvalidFile(problems[:MAX_PROBLEMS], texts)
     for index, (_, line) in enumerate(rows):
-        numbers[index] = numbers[index] or [float(value) for value in _values(line)]
+        numbers[index] = numbers[index] or [float(value) for value in values_of(line)]
     columns = dict(zip(names, zip(*numbers, strict=True), strict=True))
     return Table(source, text, names, columns, tuple(number for number, _ in lines))
 
@@ -101,14 +98,14 @@ def table_problems(
     least: int = 0,
     why: str = "",
 ) -> list[Problem]:
-    """Return what a table lacks, all at once.
+    """Return a problem for everything that a table lacks.
 
-    It must have the columns that are wanted, and the one that is to rise from each row to the
-    next; and at least so many rows, for the reason given (`why`: "a fit").
+    It must have the `wanted` columns, and the one that must increase from row to row. It must have
+    at least `least` rows, since `why` needs them ("a fit").
     """
     columns = dict.fromkeys([*wanted] if increasing is None else [*wanted, increasing])
     header = LINE_BREAK.split(table.text)[table.lines[0] - 1]
-    place = _line_span(header, Span(table.source, table.lines[0], 1))
+    place = line_span(header, Span(table.source, table.lines[0], 1))
     problems = [
         Problem(place, f"there is no column '{name}'", _known_columns_hint(name, table.names))
         for name in columns
@@ -116,10 +113,10 @@ def table_problems(
     ]
     found = len(table.lines) - 1
     if found < least:
-        message = f"{_count(found, 'row')}, but {why} needs at least {least}"
+        message = f"{counted(found, 'row')}, but {why} needs at least {least}"
         problems.append(Problem(place, message))
     if increasing is not None and increasing in table.columns:
-        problems.extend(_not_increasing(table, increasing))
+        problems.extend(_order_problems(table, increasing))
     return problems
 
 
@@ -130,53 +127,16 @@ def require_columns(
     least: int = 0,
     why: str = "",
 ) -> None:
-    """Raise InvalidFile with all that `table_problems` finds, if it finds anything."""
+    """Raise InvalidFile with what `table_problems` returns, if it returns any problem."""
     problems = table_problems(table, wanted, increasing, least, why)
     if problems:
         raise InvalidFile(problems, table.texts)
 
 
 def _lines(text: str) -> list[tuple[int, str]]:
-    # The lines that say something, with their numbers; the first is the header.
+    """Return the header and the rows, each line with its number, from 1."""
     lines = [each for each in enumerate(LINE_BREAK.split(text), start=1) if each[1].strip()]
     return list(dropwhile(lambda each: each[1].lstrip().startswith("#"), lines))
-
-
-def _cells(line: str) -> list[_Cell]:
-    cells = []
-    end = -1
-    while end < len(line):
-        match = _CELL.match(line, end + 1)
-        assert match, "an empty cell matches too"
-        quoted = match["quoted"]
-        if quoted is None:
-            plain = match["plain"]
-            value = plain.strip()
-            column, width = match.end() - len(plain.lstrip()) + 1, len(value)
-        else:
-            value = quoted.replace('""', '"').strip()
-            column, width = match.start("quoted"), len(quoted) + 2  # with its quotes
-        cells.append(_Cell(value, column, width))
-        end = match.end()
-    return cells
-
-
-def _values(line: str) -> list[str]:
-    # Most lines have no quotes, and need no places.
-    if '"' in line:
-        return [cell.value for cell in _cells(line)]
-    return [value.strip() for value in line.split(",")]
-
-
-def _plain_numbers(line: str) -> list[float]:
-    # The numbers of a row without a fault, as nearly all are; empty where cells must be examined.
-    if not _PLAIN_ROW.fullmatch(line):
-        return []
-    try:
-        numbers = list(map(float, line.split(",")))
-    except ValueError:
-        return []
-    return numbers if math.isfinite(sum(numbers)) else []
 
 
 def _separator_problems(header: str, place: Span) -> list[Problem]:
@@ -192,10 +152,10 @@ def _separator_problems(header: str, place: Span) -> list[Problem]:
 
 
 def _name_problems(header: str, place: Span) -> list[Problem]:
-    cells = _cells(header)
+    cells = cells_of(header)
     if all(_NUMBER.fullmatch(cell.value) for cell in cells):
         hint = "name the columns in the first line that does not start with '#'"
-        return [Problem(_line_span(header, place), "the columns have no names", hint)]
+        return [Problem(line_span(header, place), "the columns have no names", hint)]
     problems = []
     first: dict[str, int] = {}
     for cell in cells:
@@ -203,7 +163,7 @@ def _name_problems(header: str, place: Span) -> list[Problem]:
         if not cell.value:
             problems.append(Problem(span, "this column has no name", "name it, or drop the comma"))
         elif cell.value in first:
-            message = f"two columns are named '{_short(cell.value)}'"
+            message = f"two columns are named '{shortened(cell.value)}'"
             hint = f"the first one starts in column {first[cell.value]} of this line"
             problems.append(Problem(span, message, hint))
         first.setdefault(cell.value, cell.column)
@@ -218,63 +178,50 @@ def _row_problems(
     most: int,
 ) -> list[Problem]:
     problems: list[Problem] = []
-    hint = _POINT if all(len(_values(line)) > wanted for _, line in rows) else ""
+    hint = _POINT if all(len(values_of(line)) > wanted for _, line in rows) else ""
     for number, line in compress(rows, map(not_, is_sound)):
         if len(problems) >= most:
             break
         place = Span(source, number, 1)
-        found = len(_values(line))
+        found = len(values_of(line))
         if found != wanted:
-            message = f"{_count(found, 'cell')}, but the header names {_count(wanted, 'column')}"
-            problems.append(Problem(_line_span(line, place), message, hint))
+            message = f"{counted(found, 'cell')}, but the header names {counted(wanted, 'column')}"
+            problems.append(Problem(line_span(line, place), message, hint))
         else:
             problems.extend(_cell_problems(line, place))
     return problems[: max(0, most)]
 
 
 def _cell_problems(line: str, place: Span) -> Iterator[Problem]:
-    if all(map(_is_number, _values(line))):
+    if all(map(_is_number, values_of(line))):
         return
-    for cell in _cells(line):
+    for cell in cells_of(line):
         if _is_number(cell.value):
             continue
         span = cell.span(place.source, place.line)
         if not cell.value:
             yield Problem(span, "this cell is empty", "write a number")
         elif _NUMBER.fullmatch(cell.value) or _NOT_FINITE.fullmatch(cell.value):
-            message = f"not a finite number: {_short(cell.value)}"
+            message = f"not a finite number: {shortened(cell.value)}"
             yield Problem(span, message, "write an ordinary number, or leave the row out")
         else:
-            yield Problem(span, f"not a number: {_short(cell.value)!r}", "write it like 0.5")
+            yield Problem(span, f"not a number: {shortened(cell.value)!r}", "write it like 0.5")
 
 
 def _is_number(value: str) -> bool:
     return _NUMBER.fullmatch(value) is not None and math.isfinite(float(value))
 
 
-def _not_increasing(table: Table, name: str) -> Iterator[Problem]:
+def _order_problems(table: Table, name: str) -> Iterator[Problem]:
     values = table.columns[name]
     rows = [row for row in range(1, len(values)) if values[row] <= values[row - 1]]
     if rows:
         first = rows[0]
         message = f"'{name}' must increase, found {values[first]} after {values[first - 1]}"
-        more = f", and so in {_count(len(rows) - 1, 'more row')}" if len(rows) > 1 else ""
+        more = f", and so in {counted(len(rows) - 1, 'more row')}" if len(rows) > 1 else ""
         hint = f"each '{name}' must be greater than the one above it"
         yield Problem(table.cell_span(first, name), message + more, hint)
 
 
-def _line_span(line: str, place: Span) -> Span:
-    column = len(line) - len(line.lstrip()) + 1
-    return Span(place.source, place.line, column, len(line.strip()))
-
-
 def _known_columns_hint(name: str, known: Sequence[str]) -> str:
     return did_you_mean(name, known) or f"known columns: {', '.join(known)}"
-
-
-def _count(number: int, thing: str) -> str:
-    return f"{number} {thing}" + ("" if number == 1 else "s")
-
-
-def _short(text: str) -> str:
-    return text if len(text) <= 60 else text[:56] + " ..."

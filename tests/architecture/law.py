@@ -61,7 +61,7 @@ KNOWS: dict[str, set[str]] = {
 HOMES: dict[str, tuple[str, ...]] = {
     "csv": ("analysis.study_report",),
     "imageio_ffmpeg": ("picture.film",),
-    "jsonschema": ("document.validate",),
+    "jsonschema": ("document.schemas", "document.schema_errors", "document.validate"),
     "matplotlib": ("picture.",),
     "numpy": (
         "api.",
@@ -77,13 +77,18 @@ HOMES: dict[str, tuple[str, ...]] = {
     ),
     "pandas": ("api.result",),
     "pybullet": ("simulation.engine.bullet.client",),
-    "referencing": ("document.validate",),
+    "referencing": ("document.schemas",),
     "rich": ("terminal",),
     "scipy": ("analysis.", "calibration."),
     "trimesh": ("scene.mesh", "scene.closed_surface"),
     "typer": ("cli.",),
     "xml": ("manipulator.urdf", "scene.urdf_xml"),
-    "yaml": ("document.parse",),
+    "yaml": (
+        "document.parse",
+        "document.yaml_nodes",
+        "document.yaml_syntax",
+        "document.yaml_values",
+    ),
     "yourdfpy": ("manipulator.urdf_readback",),
 }
 """Every library that is not the interpreter's own, and the standard ones that are a format."""

@@ -8,13 +8,14 @@ from typing import Any
 
 import pytest
 
-from somo_cli.document import validate
+from somo_cli.document import schemas
 from somo_cli.document.edit import embed_all, override
 from somo_cli.document.parse import Document, parse
-from somo_cli.document.validate import load_schema, schema_problems, soundness_test
+from somo_cli.document.schemas import load_schema
+from somo_cli.document.validate import schema_problems, soundness_test
 from somo_cli.problems import Problem
 
-REAL = [path for folder in validate._FOLDERS for path in folder.glob("*.schema.json")]
+REAL = [path for folder in schemas.FOLDERS for path in folder.glob("*.schema.json")]
 
 LINK = {
     "type": "object",
@@ -130,8 +131,8 @@ def problems_in(document: Document, schema: str) -> list[Problem]:
 def judge(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., Any]]:
     for name, schema in SCHEMAS.items():
         (tmp_path / f"{name}.schema.json").write_text(json.dumps(schema), "utf-8")
-    monkeypatch.setattr(validate, "_FOLDERS", (tmp_path / "none", tmp_path))
-    caches = (validate.load_schema, validate._validator)
+    monkeypatch.setattr(schemas, "FOLDERS", (tmp_path / "none", tmp_path))
+    caches = (schemas.load_schema, schemas.validator)
     for cache in caches:
         cache.cache_clear()
 
@@ -347,7 +348,7 @@ def subschemas(schema: object) -> Iterator[Mapping[str, Any]]:
 class TestTheRealSchemas:
     def test_is_a_schema(self, path: Path) -> None:
         schema = load_schema(path.name.removesuffix(".schema.json"))
-        validate.Draft202012Validator.check_schema(schema)
+        schemas.Draft202012Validator.check_schema(schema)
 
     def test_says_something_of_everything(self, path: Path) -> None:
         name = path.name.removesuffix(".schema.json")
