@@ -33,6 +33,7 @@ LOADING = DOOR | {"document", "loading", "manipulator", "packages", "scene", "sc
 PLANNED = LOADING | {
     "arrays",
     "simulation",
+    "simulation.dynamics",
     "simulation.engine",
     "simulation.integrator",
     "simulation.monitoring",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -75,26 +75,12 @@ def measurement(table: Table, scene: Scene, chosen: Sequence[str]) -> Measuremen
     whole = make_plan(scene_recording(scene, MEASURABLE))
     header = columns.header(whole.recorded)
     full = {name: name for name in header} | {_short(name): name for name in header}
-    short = {name: _short(name) for name in header}
-    wanted = [name for name in table.names if name != TIME]
-    if chosen:
-        # the table and `chosen` may each have a name with or without the manipulator
-        ways = {name: {name, full.get(name, name), short.get(name, name)} for name in chosen}
-        missing = [name for name in chosen if ways[name].isdisjoint(table.names)]
-        require_columns(table, missing)
-        wanted = [next(one for one in table.names if one in ways[name]) for name in chosen]
+    wanted = _chosen_columns(table, header, full, chosen)
     problems = list(_problems(table, wanted, full))
     if problems:
         raise InvalidFile(problems, table.texts)
     names = [full[name] for name in wanted]
-    groups: dict[str, Quantity] = {
-        name: group.quantity
-        for group in columns.body_column_groups(whole.recorded)
-        for name in group.selection.names
-    }
-    # an object records its pose alone, which is measured like the pose of a base
-    for of_object in columns.object_column_groups(whole.recorded):
-        groups |= dict.fromkeys(of_object.selection.names, "base_pose")
+    groups = _quantities_by_name(whole.recorded)
     quantities = tuple(one for one in MEASURABLE if one in {groups[name] for name in names})
     own_header = columns.header(make_plan(scene_recording(scene, quantities)).recorded)
     return Measurement(
@@ -105,6 +91,32 @@ def measurement(table: Table, scene: Scene, chosen: Sequence[str]) -> Measuremen
         places=tuple(own_header.index(name) for name in names),
         owners=tuple(quantities.index(groups[name]) for name in names),
     )
+
+
+def _chosen_columns(
+    table: Table, header: Sequence[str], full: Mapping[str, str], chosen: Sequence[str]
+) -> list[str]:
+    """Return the names in the table of the chosen columns, or of all but the time."""
+    if not chosen:
+        return [name for name in table.names if name != TIME]
+    # the table and `chosen` may each have a name with or without the manipulator
+    short = {name: _short(name) for name in header}
+    spellings = {name: {name, full.get(name, name), short.get(name, name)} for name in chosen}
+    require_columns(table, [name for name in chosen if spellings[name].isdisjoint(table.names)])
+    return [next(one for one in table.names if one in spellings[name]) for name in chosen]
+
+
+def _quantities_by_name(recorded: columns.Recorded) -> dict[str, Quantity]:
+    """Return the quantity of every column by its name."""
+    groups: dict[str, Quantity] = {
+        name: group.quantity
+        for group in columns.body_column_groups(recorded)
+        for name in group.selection.names
+    }
+    # an object records its pose alone, which is measured like the pose of a base
+    for of_object in columns.object_column_groups(recorded):
+        groups |= dict.fromkeys(of_object.selection.names, "base_pose")
+    return groups
 
 
 def scene_recording(scene: Scene, quantities: tuple[Quantity, ...]) -> Scene:

@@ -132,13 +132,12 @@ def of_definition(
     if any(joint.neutral_position for joint in one.joints):
         raise NoMomentArms(f"actuator {actuator} is not straight at rest: joint_neutral_position")
     kind, direction = _kind(one.joints[moving[0]].axis)
-    for other, joint in zip(one.channels, one.joints, strict=True):
-        across = abs(sum(a * b for a, b in zip(direction, unit(joint.axis), strict=True)))
-        if other != axis and joint.joint_type != "fixed" and across > _ALONG:
-            raise NoMomentArms(
-                f"axes {axis} and {other} of actuator {actuator} are not at right angles, so a "
-                "force bends both"
-            )
+    skew = _skew_axis(one, axis, direction)
+    if skew is not None:
+        raise NoMomentArms(
+            f"axes {axis} and {skew} of actuator {actuator} are not at right angles, so a "
+            "force bends both"
+        )
     length = one.n_segments * one.link.height
     ends = np.cumsum(one.fractions) * one.link.height
     offsets = [one.joints[number].offset[2] for number in moving]
@@ -153,6 +152,15 @@ def of_definition(
             length=length,
         )
     )
+
+
+def _skew_axis(one: ActuatorDefinition, axis: int, direction: Vector) -> int | None:
+    """Return another axis of an actuator that is not at right angles to this one, if there is."""
+    for other, joint in zip(one.channels, one.joints, strict=True):
+        along = abs(sum(a * b for a, b in zip(direction, unit(joint.axis), strict=True)))
+        if other != axis and joint.joint_type != "fixed" and along > _ALONG:
+            return other
+    return None
 
 
 def first_joint_stiffness(definition: Definition | None, actuator: int, axis: int) -> float | None:

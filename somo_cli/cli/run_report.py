@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from somo_cli.analysis.text_table import table_lines
 from somo_cli.cli.run_outputs import Targets
 
 if TYPE_CHECKING:
@@ -58,6 +57,8 @@ def plain_estimate(estimate: "ErrorEstimate", names: Sequence[str]) -> dict[str,
 
 def estimate_table(estimate: "ErrorEstimate", names: Sequence[str]) -> list[str]:
     """Return the estimated error of every column as lines of text."""
+    from somo_cli.analysis.text_table import table_lines
+
     rows = [["", "final", "max", "rms"]]
     for name, error in zip(names, estimate.errors, strict=True):
         values = (error.final, error.maximum, error.rms)

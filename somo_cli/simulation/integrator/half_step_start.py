@@ -30,11 +30,7 @@ def begin(
     trial step measures the acceleration of the bases under the first torques.
     """
     for body_stepper in body_steppers:
-        body_stepper.read_state()
-        body_stepper.refresh()
-        _check_joint_inertia(body_stepper.body, body_stepper.mass)
-        body_stepper.mass_at_start = body_stepper.mass
-        body_stepper.actuate(0.0)
+        _prepare(body_stepper)
     for object_stepper in object_steppers:
         object_stepper.actuate(0.0)
     if plan.integrator == "explicit":
@@ -58,16 +54,7 @@ def begin(
         _half_step_before(before, world_object.velocity()[0])
         for before, world_object in zip(velocities, world.objects, strict=True)
     ]
-    half_step_rates = [
-        rate_half_step_before(
-            world_object.principal_moments, rate, world_object.principal_rate(), plan.time_step
-        )
-        if planned.has_gyroscopic_torque
-        else None
-        for planned, world_object, rate in zip(
-            plan.objects, world.objects, object_rates, strict=True
-        )
-    ]
+    half_step_rates = _object_rates_half_step_before(plan, world, object_rates)
     for world_object in world.objects:
         world_object.reset()
     if plan.integrator == "implicit":
@@ -78,6 +65,32 @@ def begin(
             world_object.reset(velocity, rate)
     for body_stepper, force, before in zip(body_steppers, forces, rates, strict=True):
         body_stepper.set_start_force(force, before)
+
+
+def _prepare(body_stepper: BodyStepper) -> None:
+    """Read the state of a body at its start, and set what acts on it there."""
+    body_stepper.read_state()
+    body_stepper.refresh()
+    _check_joint_inertia(body_stepper.body, body_stepper.mass)
+    body_stepper.mass_at_start = body_stepper.mass
+    body_stepper.actuate(0.0)
+
+
+def _object_rates_half_step_before(
+    plan: Plan, world: World, rates: Sequence[Vector]
+) -> list[Vector | None]:
+    """Return the angular velocity of each object half a step before the start, along its axes.
+
+    None for objects without gyroscopic torque, whose angular velocity stays.
+    """
+    return [
+        rate_half_step_before(
+            world_object.principal_moments, rate, world_object.principal_rate(), plan.time_step
+        )
+        if planned.has_gyroscopic_torque
+        else None
+        for planned, world_object, rate in zip(plan.objects, world.objects, rates, strict=True)
+    ]
 
 
 def _check_joint_inertia(body: Body, mass: Array) -> None:
