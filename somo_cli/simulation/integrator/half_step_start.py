@@ -41,14 +41,7 @@ def begin(
     velocities = [world_object.velocity()[0] for world_object in world.objects]
     object_rates = [world_object.principal_rate() for world_object in world.objects]
     rates = [body_stepper.law.rates.copy() for body_stepper in body_steppers]
-    forces = []
-    for body_stepper in body_steppers:
-        body_stepper.world_body.apply([0.0] * len(body_stepper.law.rates))
-    world.step()
-    for body_stepper, before in zip(body_steppers, rates, strict=True):
-        body_stepper.read_state()
-        forces.append(body_stepper.mass @ (body_stepper.law.rates - before) / plan.time_step)
-        body_stepper.reset_to_start()
+    forces = _trial_forces(plan, world, body_steppers, rates)
     # objects have velocities at half steps, too: half of what the trial step added is taken back
     halved = [
         _half_step_before(before, world_object.velocity()[0])
@@ -65,6 +58,21 @@ def begin(
             world_object.reset(velocity, rate)
     for body_stepper, force, before in zip(body_steppers, forces, rates, strict=True):
         body_stepper.set_start_force(force, before)
+
+
+def _trial_forces(
+    plan: Plan, world: World, body_steppers: Sequence[BodyStepper], rates: Sequence[Array]
+) -> list[Array]:
+    """Return the force on the joints of each body in a step without torques; undo the step."""
+    forces = []
+    for body_stepper in body_steppers:
+        body_stepper.world_body.apply([0.0] * len(body_stepper.law.rates))
+    world.step()
+    for body_stepper, before in zip(body_steppers, rates, strict=True):
+        body_stepper.read_state()
+        forces.append(body_stepper.mass @ (body_stepper.law.rates - before) / plan.time_step)
+        body_stepper.reset_to_start()
+    return forces
 
 
 def _prepare(body_stepper: BodyStepper) -> None:
