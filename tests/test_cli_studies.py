@@ -46,7 +46,7 @@ def test_a_report_is_a_table_a_sentence_and_four_files(somo: Somo, tmp_path: Pat
     assert b"<svg" in (folder / "report.svg").read_bytes()
 
 
-def test_a_report_over_segments_says_what_is_balanced(somo: Somo) -> None:
+def test_a_report_over_segments_names_the_balanced_case(somo: Somo) -> None:
     ended = somo(
         "report", DEFINITIONS / "cantilever_scene.yaml", "--set", "reference=elastica",
         "--segments", "5,10", "--duration", "12", "--time-steps", "2e-2", "--integrators",
@@ -99,13 +99,13 @@ def test_wrong_usage_of_report(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_scene_that_cannot_be_cut_is_wrong_usage(somo: Somo) -> None:
+def test_a_scene_without_uniform_segments_is_wrong_usage(somo: Somo) -> None:
     ended = somo("report", DEFINITIONS / "planar_finger_scene.yaml", *QUICK, "--segments", "8")
     assert ended.returncode == 2
     assert "joints of actuator 0 differ along it" in " ".join(ended.stderr.split())
 
 
-def test_a_reference_that_does_not_fit_is_a_fault_of_the_scene(somo: Somo, tmp_path: Path) -> None:
+def test_a_reference_that_does_not_fit_is_an_error_of_the_scene(somo: Somo, tmp_path: Path) -> None:
     scene = (DEFINITIONS / "cantilever_scene.yaml").read_text("utf-8")
     (tmp_path / "cantilever.yaml").write_text((DEFINITIONS / "cantilever.yaml").read_text("utf-8"))
     (tmp_path / "scene.yaml").write_text(scene + "\nreference: pendulum\n")
@@ -131,7 +131,7 @@ def test_a_report_interrupted_leaves_nothing(tmp_path: Path, environment: dict[s
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_run_tells_its_error(somo: Somo, tmp_path: Path) -> None:
+def test_a_run_reports_its_error(somo: Somo, tmp_path: Path) -> None:
     ended = somo("run", SCENE, "--steps", "200", "--every", "50", "--error")
     assert ended.returncode == 0
     lines = ended.stderr.splitlines()
@@ -150,7 +150,7 @@ def test_a_run_tells_its_error(somo: Somo, tmp_path: Path) -> None:
     assert plain.stdout == (tmp_path / "scene.csv").read_text("utf-8")
 
 
-def test_an_error_is_told_beside_a_pipe(somo: Somo) -> None:
+def test_an_error_is_reported_beside_a_pipe(somo: Somo) -> None:
     ended = somo("run", SCENE, "--steps", "20", "--every", "10", "--error", "-o", "-")
     assert len(ended.stdout.splitlines()) == 4
     assert ended.stderr.splitlines()[0].startswith("standard output: 3 rows")
@@ -186,12 +186,12 @@ def explicit(tmp_path: Path) -> Path:
     return tmp_path / "scene.yaml"
 
 
-def test_a_step_that_will_not_hold_is_an_error_with_its_place(somo: Somo, explicit: Path) -> None:
+def test_an_unstable_step_is_an_error_with_its_place(somo: Somo, explicit: Path) -> None:
     assert somo("check", explicit.name).returncode == 0
     ended = somo("check", explicit.name, "--numerics")
     assert ended.returncode == 1
     assert ended.stderr == (
-        "scene.yaml:6:12: error: a step of 0.001 s is beyond the limit of the explicit "
+        "scene.yaml:6:12: error: a step of 0.001 s is above the limit of the explicit "
         "integrator, 0.000376 s\n"
         "    time_step: 1e-3\n"
         "               ^^^^\n"
@@ -212,7 +212,7 @@ def test_strict_counts_warnings(somo: Somo) -> None:
     assert somo("check", arm, "--strict").returncode == 0
 
 
-def test_the_worst_pose_of_a_run_is_looked_at(somo: Somo) -> None:
+def test_the_worst_pose_of_a_run_is_examined(somo: Somo) -> None:
     somo("run", SCENE, "--steps", "1000")
     ended = somo("check", SCENE, "--numerics", "--trajectory", "scene.csv")
     assert ended.returncode == 0
@@ -240,7 +240,7 @@ def test_wrong_usage_of_check(somo: Somo, arguments: tuple[str, ...], message: s
     assert message in ended.stderr
 
 
-def test_numerics_of_a_file_at_fault_are_its_faults(somo: Somo, tmp_path: Path) -> None:
+def test_numerics_of_an_invalid_file_are_its_errors(somo: Somo, tmp_path: Path) -> None:
     (tmp_path / "bad.yaml").write_text("manipulators: []\ntime_step: -1\n")
     ended = somo("check", "bad.yaml", "--numerics")
     assert (ended.returncode, ended.stdout) == (1, "")

@@ -1,1 +1,1 @@
-"""What a scene costs and how far off it is: error against run time, stability, conditioning."""
+"""Accuracy and cost of a scene: error against run time, stability, conditioning."""

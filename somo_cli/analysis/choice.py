@@ -1,4 +1,4 @@
-"""What to choose, from a study: the cheapest case that is good enough, and the balanced one."""
+"""Recommended cases of a study: the cheapest one within a target error, and balanced ones."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from somo_cli.analysis.study_model import Discretization, Study, StudyCase
 
 @dataclass(frozen=True, slots=True)
 class RatedCase:
-    """A case, and the error of its tip relative to the length: of the solver and of the chain."""
+    """A case and its tip errors relative to the length: of the solver, and of the chain model."""
 
     case: StudyCase
     discretization: Discretization
@@ -18,12 +18,12 @@ class RatedCase:
 
     @property
     def larger_error(self) -> float:
-        """The larger of the two errors; they are never added, since neither has a known sign."""
+        """The larger of the two errors; their signs are unknown, so they are not added."""
         return max(self.solver, self.model or 0.0)
 
 
 def rated_cases(study: Study) -> tuple[RatedCase, ...]:
-    """Return every case that ran to its end, with its errors; the cheapest first."""
+    """Return every case that completed, with its errors, the cheapest first."""
     discretizations = {
         discretization.segments: discretization for discretization in study.discretizations
     }
@@ -34,10 +34,8 @@ def rated_cases(study: Study) -> tuple[RatedCase, ...]:
         discretization = discretizations[case.segments]
         model = None
         if study.model:
-            least = study.model_error
-            model = (
-                least if discretization.model is None else discretization.model.maximum
-            ) / discretization.length
+            known = discretization.model
+            model = (study.model_error if known is None else known.maximum) / discretization.length
         error = case.errors["tip_position"]
         least = discretization.reference.error["tip_position"]
         solver = (least if error is None else error.maximum) / discretization.length
@@ -46,19 +44,19 @@ def rated_cases(study: Study) -> tuple[RatedCase, ...]:
 
 
 def cheapest(study: Study, target: float) -> RatedCase | None:
-    """Return the case of least run time whose errors are both at most `target` of the length."""
+    """Return the fastest case whose errors are both at most `target`, relative to the length."""
     return next((one for one in rated_cases(study) if one.larger_error <= target), None)
 
 
 def most_accurate(study: Study) -> RatedCase | None:
-    """Return the case whose larger_error error is smallest."""
+    """Return the case whose larger error is smallest."""
     return min(rated_cases(study), key=lambda one: one.larger_error, default=None)
 
 
 def balanced(study: Study) -> tuple[RatedCase, ...]:
-    """Return, for each number of segments, the cheapest case whose solver errs less than its chain.
+    """Return, for each number of segments, the cheapest case with less solver than model error.
 
-    More accurate steps would be wasted on such a chain, and fewer would waste its joints.
+    Shorter steps would not reduce the total error, and longer ones would not need as many joints.
     """
     found: dict[int | None, RatedCase] = {}
     for one in rated_cases(study):

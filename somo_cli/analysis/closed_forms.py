@@ -1,7 +1,7 @@
-"""Closed forms of beams and single joints, in numbers without dimension.
+"""Closed forms of beams, dimensionless, and of single joints.
 
-Beams are inextensible, of length 1 and flexural rigidity 1, clamped at the origin along x, and
-bend towards y.
+Beams are inextensible, of length 1 and flexural rigidity 1, clamped at the origin along x, and bend
+towards y.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ Tip = tuple[float, float]
 
 
 def small_tip_load(load: float) -> Tip:
-    """Return the tip under a force load = P L²/EI along y: L³P/3EI, the length unchanged.
+    """Return the tip under a small force load = P L²/EI along y: the deflection is P L³/3EI.
 
-    Off by about load³ from `tip_load`: Timoshenko, Strength of Materials I, sec. 32.
+    The difference from `tip_load` is about load³. Timoshenko, Strength of Materials I, sec. 32.
     """
     return 1.0, load / 3
 
 
 def tip_load(load: float) -> Tip:
-    """Return the tip under a force load = P L²/EI that stays along y, however large.
+    """Return the tip under a force load = P L²/EI of any size, of constant direction y.
 
     Bisshopp and Drucker, Q. Appl. Math. 3 (1945) 272: with the tip's slope θ,
     k² = (1 + sin θ)/2 and sin φ = 1/(k√2), √load = K(k) - F(φ, k).
@@ -58,7 +58,7 @@ def end_moment(moment: float) -> Tip:
 
 
 def own_weight(load: float) -> Tip:
-    """Return the tip under a load = w L³/EI spread evenly along the beam that stays along y.
+    """Return the tip under a uniformly distributed load = w L³/EI of constant direction y.
 
     θ'' = -load (1 - s) cos θ, θ(0) = 0, θ'(1) = 0, by shooting for the curvature at the clamp.
     """
@@ -82,10 +82,10 @@ def own_weight(load: float) -> Tip:
 
 
 def pendulum(times: Array, frequency: float, angle: float, rate: float) -> Array:
-    """Return the angles [rad] from hanging down of a pendulum that swings, at times [s].
+    """Return the angles of a swinging pendulum from the vertical [rad] at times [s], shape (n,).
 
     θ'' = -ω² sin θ with ω the `frequency` [rad/s] of small swings; sin(θ/2) = k sn(ω t + c, k).
-    Whittaker, Analytical Dynamics, sec. 44. Raises ValueError for one that goes over the top.
+    Whittaker, Analytical Dynamics, sec. 44. Raises ValueError if the pendulum goes over the top.
     """
     m = math.sin(angle / 2) ** 2 + (rate / (2 * frequency)) ** 2
     if m >= 1:
@@ -102,7 +102,7 @@ def pendulum(times: Array, frequency: float, angle: float, rate: float) -> Array
 def oscillator(
     times: Array, inertia: float, damping: float, stiffness: float, start: tuple[float, float]
 ) -> Array:
-    """Return the angles [rad] of I q'' + d q' + k q = 0 at times [s], from (q, q') at zero."""
+    """Return q of I q'' + d q' + k q = 0 [rad] at times [s]; `start` is (q, q') at zero."""
     angle, rate = start
     decay, square = damping / (2 * inertia), stiffness / inertia
     difference = decay**2 - square
@@ -112,7 +112,7 @@ def oscillator(
         swing = angle * np.cos(frequency * times) + (rate + decay * angle) * sine
         return np.asarray(np.exp(-decay * times) * swing, dtype=np.float64)
     apart = math.sqrt(difference)
-    slow = -square / (decay + apart)  # the root that decays last; the other is 2 apart below it
-    fading = np.exp(slow * times)
-    between = times * exprel(-2 * apart * times) * fading
-    return np.asarray(angle * fading + (rate - slow * angle) * between, dtype=np.float64)
+    slow = -square / (decay + apart)  # the slower root; the other one is slow - 2 apart
+    envelope = np.exp(slow * times)
+    between = times * exprel(-2 * apart * times) * envelope
+    return np.asarray(angle * envelope + (rate - slow * angle) * between, dtype=np.float64)

@@ -1,4 +1,4 @@
-"""Instants that runs with different time steps have in common."""
+"""Instants at which runs with different time steps can be compared."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-TARGET_COUNT = 50  # instants in a run: enough for a maximum over time, few enough to cost nothing
+TARGET_COUNT = 50  # in a run: enough for a maximum over time, few enough to cost little
 MINIMUM_COUNT = 10
 MAX_DENOMINATOR = 10**7  # the largest denominator of a simple fraction
 
 
 class NoCommonInstants(ValueError):
-    """The time steps do not meet often enough."""
+    """The time steps have too few instants in common."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,22 +29,22 @@ class Instants:
         return float(self.interval * self.count)
 
     def steps_between(self, time_step: float) -> int:
-        """Return the steps between two instants."""
+        """Return the number of steps of `time_step` [s] between two instants."""
         steps = self.interval / exact_fraction(time_step)
-        assert steps.denominator == 1, "the step is one of those the instants were made for"
+        assert steps.denominator == 1, "the instants are multiples of this step"
         return int(steps)
 
 
 def exact_fraction(time_step: float) -> Fraction:
-    """Return a time step as the simplest fraction that it can mean: 1/1000, or 1/240."""
+    """Return a time step [s] as the simplest fraction with the same float, such as 1/240."""
     simple = Fraction(time_step).limit_denominator(MAX_DENOMINATOR)
     return simple if float(simple) == time_step else Fraction(repr(time_step))
 
 
 def common_instants(time_steps: Sequence[float], duration: float) -> Instants:
-    """Return the instants for runs of `duration` [s] with these steps [s].
+    """Return the instants up to `duration` [s] that are multiples of all these steps [s].
 
-    They end at the last one that is not after `duration`. Raises NoCommonInstants.
+    Raises NoCommonInstants.
     """
     steps = [exact_fraction(step) for step in time_steps]
     denominator = math.lcm(*(step.denominator for step in steps))
@@ -59,6 +59,6 @@ def common_instants(time_steps: Sequence[float], duration: float) -> Instants:
     return Instants(interval, count)
 
 
-def scaled_steps(time_step: float, rungs: Sequence[Fraction]) -> tuple[float, ...]:
-    """Return the time step times each rung [s], as decimals that are exact where they can be."""
-    return tuple(float(exact_fraction(time_step) * rung) for rung in rungs)
+def scaled_steps(time_step: float, factors: Sequence[Fraction]) -> tuple[float, ...]:
+    """Return the time step times each factor [s], as exact decimals where possible."""
+    return tuple(float(exact_fraction(time_step) * factor) for factor in factors)

@@ -1,4 +1,4 @@
-"""What makes a body hard for the engine: findings with the number that would be right."""
+"""What is ill-conditioned for the engine in a body, as findings with suitable values."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.dynamics.modal import MIN_JOINT_INERTIA, articulated_inertia
 from somo_cli.simulation.plan.model import Body, Plan
 
-MASS_RATIO = 1e3  # between neighbours: beyond, rounding takes three digits of the lighter one
+MASS_RATIO = 1e3  # of neighbours, above which the lighter one loses three digits to rounding
 SMALLEST_CONTACT_SIZE = 0.1  # engine units; Bullet's collision margins are 0.04
-LARGEST_INERTIA = 1.0  # engine units, in turned axes; see BulletDynamics.mass_matrix
+LARGEST_INERTIA = 1.0  # engine units, in rotated axes; see BulletDynamics.mass_matrix
 MAX_UNNAMED_JOINTS = 100
 
 
 def findings(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterator[Problem]:
-    """Yield what is hard about a body, whose manipulator is at a pointer of the document."""
+    """Yield findings about a body, whose manipulator is at a pointer of the document."""
     definition: Pointer = (*at, "definition")
     yield from _mass_findings(plan, body, document, definition)
     yield from _inertia_findings(plan, body, document, definition)
@@ -43,7 +43,7 @@ def findings(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterato
 
 def _mass_findings(plan: Plan, body: Body, document: Document, at: Pointer) -> Iterator[Problem]:
     masses = [link.inertial.mass for link in body.chain.links]
-    first = 1 if body.base == "static" else 0  # a base that cannot move has no mass
+    first = 1 if body.base == "static" else 0  # the mass of a static base has no effect
     for index in range(first, len(masses) - 1):
         light, heavy = sorted((index, index + 1), key=lambda link: masses[link])
         ratio = masses[heavy] / masses[light]
@@ -52,7 +52,7 @@ def _mass_findings(plan: Plan, body: Body, document: Document, at: Pointer) -> I
             yield Problem(
                 document.span(_pointer_of(body.chain, document, at, light)),
                 f"{names[0]} is {ratio:.3g} times as heavy as its neighbour {names[1]}",
-                f"a ratio below {MASS_RATIO:g} keeps its digits: make {names[1]} heavier than "
+                f"a ratio below {MASS_RATIO:g} is accurate: make {names[1]} heavier than "
                 f"{masses[heavy] / MASS_RATIO / plan.scale.mass:.3g} kg",
                 "warning",
                 "mass-ratio",
@@ -69,8 +69,8 @@ def _inertia_findings(plan: Plan, body: Body, document: Document, at: Pointer) -
             mass = plan.scale.mass * _one_digit_below(LARGEST_INERTIA / moments[2])
             yield Problem(
                 document.span(_pointer_of(body.chain, document, at, index)),
-                f"the inertia of {link.name} is {moments[2]:.3g} engine units in turned axes, "
-                "which the engine's dynamics may refuse",
+                f"the inertia of {link.name} is {moments[2]:.3g} engine units in rotated axes, "
+                "which the engine may refuse",
                 f"world_scale: {{length: {plan.scale.length:g}, mass: {mass:g}}} changes no result",
                 "warning",
                 "large-inertia",
@@ -83,7 +83,7 @@ def _inertia_findings(plan: Plan, body: Body, document: Document, at: Pointer) -
     except np.linalg.LinAlgError:
         yield Problem(
             document.span(at),
-            f"the inertia of '{body.name}' cannot be told from none: its masses differ too much",
+            f"the inertia of '{body.name}' is singular: its masses differ too much",
             "make the lightest links heavier, or the chain shorter",
             code="no-inertia",
         )
@@ -94,8 +94,7 @@ def _inertia_findings(plan: Plan, body: Body, document: Document, at: Pointer) -
         yield Problem(
             document.span(at),
             f"joint '{body.chain.joints[least].name}' moves {effective_inertia[least]:.2g} engine "
-            f"units of inertia; the engine takes less than {MIN_JOINT_INERTIA:g} for none, and "
-            "holds the joint",
+            f"units of inertia; the engine locks joints that move less than {MIN_JOINT_INERTIA:g}",
             f"world_scale: {{length: {plan.scale.length:g}, mass: {plan.scale.mass * needed:g}}} "
             "changes no result",
             code="frozen-joint",
@@ -104,12 +103,12 @@ def _inertia_findings(plan: Plan, body: Body, document: Document, at: Pointer) -
 
 def _row_findings(body: Body, document: Document, at: Pointer) -> Iterator[Problem]:
     joints = body.chain.joints
-    rubbing = sum(joint.friction > 0 for joint in joints)
-    if rubbing:
+    with_friction = sum(joint.friction > 0 for joint in joints)
+    if with_friction:
         yield Problem(
             document.span((*at, "actuator_definitions"), key=True),
-            f"dry friction costs the engine {rubbing} constraint rows in every step",
-            "leave joint_control_limit_force out if the damping of the springs will do",
+            f"dry friction costs the engine {with_friction} constraint rows in every step",
+            "leave joint_control_limit_force out if the damping of the joints is enough",
             "info",
             "friction-rows",
         )
@@ -124,7 +123,7 @@ def _row_findings(body: Body, document: Document, at: Pointer) -> Iterator[Probl
 
 
 def limits_reached(body: Body, swings: Array, document: Document, at: Pointer) -> Iterator[Problem]:
-    """Yield a finding if a joint may reach its limits, its swing [rad] being what is expected."""
+    """Yield a finding if a joint may reach its limits; `swings` [rad] are expected excursions."""
     reached = [
         joint.name
         for joint, angle, swing in zip(body.chain.joints, body.start.angles, swings, strict=True)
@@ -134,7 +133,7 @@ def limits_reached(body: Body, swings: Array, document: Document, at: Pointer) -
         yield Problem(
             document.span((*at, "definition", "actuator_definitions"), key=True),
             f"{len(reached)} joints may reach their limits, first '{reached[0]}': each then costs "
-            "a constraint row, and hits without a bounce",
+            "a constraint row, and stops without a rebound",
             severity="info",
             code="limits-met",
         )
@@ -152,7 +151,7 @@ def _size_findings(plan: Plan, body: Body, document: Document, at: Pointer) -> I
         yield Problem(
             document.span(_pointer_of(body.chain, document, at, index)),
             f"the smallest extent of {body.chain.links[index].name} is {size:.3g} engine units, "
-            f"and contact wants {SMALLEST_CONTACT_SIZE:g}",
+            f"and contact needs {SMALLEST_CONTACT_SIZE:g}",
             f"world_scale: {length:g}",
             "warning",
             "small-for-contact",
@@ -160,7 +159,7 @@ def _size_findings(plan: Plan, body: Body, document: Document, at: Pointer) -> I
 
 
 def _pointer_of(chain: Chain, document: Document, at: Pointer, link: int) -> Pointer:
-    """Return where a link of the chain is described."""
+    """Return the pointer to the description of a link of the chain."""
     keys = _mapping(document.at(at))
     if link == 0 and chain.limbs:
         return (*at, "body_definition")
@@ -184,11 +183,11 @@ def _mapping(data: object) -> Mapping[str, Any]:
 
 
 def _one_digit_below(value: float) -> float:
-    """Return the power of ten that is no larger."""
+    """Return the largest power of ten that is not larger."""
     return float(f"1e{int(np.floor(np.log10(value)))}")
 
 
 def _one_digit_above(value: float) -> float:
-    """Return the smallest number of one digit that is no smaller."""
+    """Return the smallest number of one digit that is not smaller."""
     power = 10.0 ** np.floor(np.log10(value))
     return float(f"{np.ceil(value / power - 1e-9) * power:.6g}")

@@ -1,4 +1,4 @@
-"""The error of a run, estimated column by column from the same scene at half the step."""
+"""The error of each column of a run, estimated from the same scene with half the time step."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.run import run
 
 CONVERGENCE_ORDER: dict[Integrator, int] = {"implicit": 2, "euler": 1, "explicit": 1}
-"""The order in which the error of an integrator falls with the step."""
+"""Order of convergence of each integrator."""
 
 
 @dataclass(frozen=True, slots=True)
 class ErrorEstimate:
-    """The estimated error of every column but the time, and the time that the second run took [s].
+    """The estimated error of every column but the time, and the run time of the second run [s].
 
-    That is the error of the run itself, not of the finer one.
+    The errors are those of the run itself, not of the second, finer run.
     """
 
     order: int
@@ -39,14 +39,14 @@ def estimate(
     clock: Clock,
     advance: Callable[[int], None] = lambda done: None,
 ) -> ErrorEstimate:
-    """Run a plan again at half the step and compare it with its rows; `rows(n)` gives the next n.
+    """Run a plan again with half the step and compare the rows; `rows(n)` returns the next n.
 
-    With p the order of the integrator, y(h) - y(h/2) is the error of y(h) times 1 - 2^-p:
-    Richardson, Phil. Trans. R. Soc. A 226 (1927) 299. Raises SimulationDiverged and EngineRefused.
+    For an integrator of order p, y(h) - y(h/2) is the error of y(h) times 1 - 2^-p: Richardson,
+    Phil. Trans. R. Soc. A 226 (1927) 299. Raises SimulationDiverged and EngineRefused.
     """
     order = CONVERGENCE_ORDER[plan.integrator]
     accumulator = _ErrorAccumulator(plan, rows, 1 / (1 - 2.0**-order))
-    # without the conditions that may have ended it: both end with the same instant
+    # both runs last for the same time, so the second has no stop conditions
     half = replace(plan, time_step=plan.time_step / 2, every=plan.every * 2, stop_conditions=())
     with open_world(half) as world:
         run_time = run(half, world, accumulator.compare, 2 * steps, clock, advance).wall_time
@@ -54,10 +54,10 @@ def estimate(
 
 
 class _ErrorAccumulator:
-    """Takes the rows of the finer run, and holds each against its counterpart."""
+    """Compares each row of the finer run with its counterpart."""
 
     def __init__(self, plan: Plan, rows: Callable[[int], Array], factor: float) -> None:
-        self._quaternions = [list(turn) for turn in columns.quaternion_columns(plan.recorded)]
+        self._quaternions = [list(one) for one in columns.quaternion_columns(plan.recorded)]
         self._rows = rows
         self._factor = factor
         width = len(columns.header(plan.recorded)) - 1
@@ -68,11 +68,10 @@ class _ErrorAccumulator:
 
     def compare(self, fine: Array) -> None:
         coarse = self._rows(len(fine)).copy()
-        for turn in self._quaternions:
-            is_opposite = (
-                np.sum(coarse[:, turn] * fine[:, turn], axis=1) < 0
-            )  # q and -q are one turn
-            coarse[np.ix_(is_opposite, turn)] *= -1
+        for part in self._quaternions:
+            # q and -q are the same rotation
+            is_opposite = np.sum(coarse[:, part] * fine[:, part], axis=1) < 0
+            coarse[np.ix_(is_opposite, part)] *= -1
         difference = self._factor * np.abs(coarse - fine)[:, 1:]
         self._last = difference[-1]
         self._largest = np.maximum(self._largest, difference.max(axis=0))

@@ -1,4 +1,4 @@
-"""How far recorded rows are from a reference: one error over time for each quantity."""
+"""Errors of recorded rows against a reference, over time, for each quantity."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from somo_cli.simulation.plan.model import Plan
 
 UNITS: dict[Quantity, str] = {name: row.unit for name, row in BODY_COLUMNS.items()}
 
-_VECTOR = 3  # columns that are one vector, whose length is what counts
-_QUATERNION = 4  # columns that are one unit quaternion
+_VECTOR = 3  # columns of a position
+_QUATERNION = 4  # columns of a unit quaternion
 
 
 @dataclass(frozen=True, slots=True)
 class ErrorSummary:
-    """An error at the end, at its worst, and as the root of its mean square over time."""
+    """An error at the end, its maximum over time, and its root mean square over time."""
 
     final: float
     maximum: float
@@ -28,7 +28,7 @@ class ErrorSummary:
 
 
 def summarize_errors(profile: Array) -> ErrorSummary:
-    """Return what to say of an error over time, shape (instants,)."""
+    """Return the summary of an error over time, shape (instants,)."""
     return ErrorSummary(
         float(profile[-1]), float(profile.max()), float(np.sqrt(np.mean(np.square(profile))))
     )
@@ -37,10 +37,10 @@ def summarize_errors(profile: Array) -> ErrorSummary:
 def error_profiles(plan: Plan, rows: Array, reference: Array) -> dict[Quantity, Array]:
     """Return the error of each quantity over time, shape (rows,), the largest over all bodies.
 
-    `rows` and `reference`, shape (rows, columns), are recorded at the same instants. A position
-    counts by its distance [m], a pose by its position, an energy by the sum of its parts [J], a
-    link's orientation by the distance of unit quaternions, which is half the angle for small
-    ones; everything else by its largest value.
+    `rows` and `reference`, shape (rows, columns), are recorded at the same instants. The error of a
+    position or a pose is a distance [m], that of energy is of the sum of its forms [J], that of an
+    orientation is the distance of unit quaternions, half the angle if that is small. For other
+    quantities it is the largest absolute difference.
     """
     found: dict[Quantity, Array] = {}
     for group in columns.body_column_groups(plan.recorded):
@@ -51,7 +51,10 @@ def error_profiles(plan: Plan, rows: Array, reference: Array) -> dict[Quantity, 
 
 
 def align_quaternions(quantity: Quantity, values: Array, reference: Array) -> Array:
-    """Return the values with unit quaternions on the reference's side: q and -q are one turn."""
+    """Return values whose unit quaternions have the sign nearest to that of the reference.
+
+    The quaternions q and -q are the same rotation.
+    """
     if quantity == "base_pose":
         turned = align_quaternions("link_orientations", values[:, _VECTOR:], reference[:, _VECTOR:])
         return np.hstack([values[:, :_VECTOR], turned])

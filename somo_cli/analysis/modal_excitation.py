@@ -1,4 +1,4 @@
-"""What sets the modes of a chain in motion, and how much of it each keeps and for how long."""
+"""How actuation, loads, gravity and base motion excite the modes of a chain."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from somo_cli.simulation.dynamics.chain_dynamics import ChainPose
 from somo_cli.simulation.dynamics.external_loads import generalised_load_force
 from somo_cli.simulation.plan.model import Body
 
-SAMPLES_PER_HORIZON = 4000  # of a horizon
-MAX_SAMPLED_HORIZONS = 5  # horizons that are sampled as finely
+SAMPLES_PER_HORIZON = 4000
+MAX_SAMPLED_HORIZONS = 5  # longer times are sampled more coarsely
 
 
 @dataclass(frozen=True, slots=True)
 class Vibration:
-    """How modes vibrate about what is static, shape (n,), in modal coordinates.
+    """Vibration of the modes about static equilibrium, in modal coordinates, shape (n,).
 
-    `largest` is the largest amplitude met. `phase_weighted` is the largest sum of what every push
-    left, each times the angle |s| t that it has turned by since: to first order, the change of the
-    motion
-    is that times the relative change of the mode's root s.
+    `largest` is the largest amplitude. `phase_weighted` is the largest sum of the free vibrations
+    after all changes of force, each times the phase angle |s| t since then. A relative
+    change of the root s of a mode changes its motion by that much times `phase_weighted`, to first
+    order.
     """
 
     largest: Array
@@ -38,12 +38,11 @@ class Vibration:
 def vibration(
     body: Body, pose: ChainPose, modes: Modes, gravity: Vector, horizon: float
 ) -> Vibration:
-    """Return how a body vibrates within so many seconds [s] of a start at this pose.
+    """Return the vibration of a body that starts at this pose, over a time `horizon` [s].
 
-    Or of the last way-point, if that comes later.
-
-    Springs, gravity, what drives the body and loads push together, each at its time: waves that
-    are out of step cancel, and a slow ramp leaves little. Forces are those at the start pose.
+    If the inputs change after that time, it ends `horizon` after their last change. Springs,
+    gravity, actuation and loads act together, each at its time, so that excitations out of phase
+    cancel and a slow ramp excites little. Generalised forces are those at the start pose.
     """
     springs = np.zeros(6 + pose.chain.count)
     springs[6:] = -pose.chain.stiffness * (pose.angles - pose.chain.neutral)
@@ -55,63 +54,68 @@ def vibration(
     times = np.linspace(
         0.0, end, SAMPLES_PER_HORIZON * min(math.ceil(end / horizon), MAX_SAMPLED_HORIZONS)
     )
-    pushes = np.zeros((len(start), len(times)), dtype=np.complex128)
-    # a rate v goes on as (v / ω) sin ω t, a push of f as -(f / ω²) cos ω t
-    pushes[:, 0] = start + 1j * modes.moduli * rates
+    excitation = np.zeros((len(start), len(times)), dtype=np.complex128)
+    # a rate v continues as (v / ω) sin ω t, a step of the force f as -(f / ω²) cos ω t
+    excitation[:, 0] = start + 1j * modes.moduli * rates
     for force, signal in driven:
         values = np.array([signal.at(time) for time in times.tolist()])
         changes = np.diff(values, prepend=0.0)
-        pushes += np.outer(_modal(body, pose, modes, force), changes)
-    return modal_response(modes.roots, pushes, float(times[1]), modes.moduli)
+        excitation += np.outer(_modal(body, pose, modes, force), changes)
+    return modal_response(modes.roots, excitation, float(times[1]), modes.moduli)
 
 
 def sideways_release(
     body: Body, pose: ChainPose, modes: Modes, gravity: float, horizon: float
 ) -> Vibration:
-    """Return how a body vibrates that is let go in this gravity [engine units], across its base."""
+    """Return the vibration of a body released in `gravity` [engine units] across its base."""
     x, y, z = gravity * _across(pose)
-    pushes = np.zeros((pose.chain.count, SAMPLES_PER_HORIZON), dtype=np.complex128)
+    excitation = np.zeros((pose.chain.count, SAMPLES_PER_HORIZON), dtype=np.complex128)
     force = pose.gravity_force((float(x), float(y), float(z)))
-    pushes[:, 0] = _modal(body, pose, modes, force)
-    return modal_response(modes.roots, pushes, horizon / (SAMPLES_PER_HORIZON - 1), modes.moduli)
+    excitation[:, 0] = _modal(body, pose, modes, force)
+    return modal_response(
+        modes.roots, excitation, horizon / (SAMPLES_PER_HORIZON - 1), modes.moduli
+    )
 
 
-def modal_response(roots: Complex, pushes: Complex, interval: float, moduli: Array) -> Vibration:
-    """Return what modes, their roots s [1/s], keep of pushes, (n, times), `interval` [s] apart.
+def modal_response(
+    roots: Complex, excitation: Complex, interval: float, moduli: Array
+) -> Vibration:
+    """Return the vibration of modes with roots s [1/s] after changes of their modal forces.
 
-    A push f is exp(s t) f / ω² at t later; with t as a further factor that is a filter with the
-    same pole twice.
+    `excitation`, shape (n, times), are the changes at times `interval` [s] apart. A change f causes
+    exp(s t) f / ω² at a time t later, a recursive filter with one pole; times t it is a filter with
+    a double pole.
     """
     from scipy.signal import lfilter
 
     poles = np.exp(roots * interval)
     largest, phase_weighted = np.zeros((2, len(roots)))
-    for mode, (pole, push) in enumerate(zip(poles, pushes, strict=True)):
-        largest[mode] = np.abs(lfilter([1.0], [1.0, -pole], push)).max()
-        turned = lfilter([0.0, pole * interval], [1.0, -2 * pole, pole**2], push)
+    for mode, (pole, changes) in enumerate(zip(poles, excitation, strict=True)):
+        largest[mode] = np.abs(lfilter([1.0], [1.0, -pole], changes)).max()
+        turned = lfilter([0.0, pole * interval], [1.0, -2 * pole, pole**2], changes)
         phase_weighted[mode] = abs(roots[mode]) * np.abs(turned).max()
     return Vibration(largest / moduli**2, phase_weighted / moduli**2)
 
 
-def felt_by_joints(pose: ChainPose, force: Array, is_free: bool) -> Array:
-    """Return the joint torques, (n,), that move the joints as a generalised force, (6 + n,), does.
+def joint_force(pose: ChainPose, force: Array, is_free: bool) -> Array:
+    """Return the joint torques, shape (n,), equivalent to a generalised force, shape (6 + n,).
 
-    A held base bears its own part; of a free one the joints feel that it gives way.
+    A static base bears the force on it; a free base accelerates, which acts on the joints.
     """
     if not is_free:
         return force[6:]
     mass = pose.mass_matrix()
-    felt: Array = force[6:] - mass[6:, :6] @ np.linalg.solve(mass[:6, :6], force[:6])
-    return felt
+    reduced: Array = force[6:] - mass[6:, :6] @ np.linalg.solve(mass[:6, :6], force[:6])
+    return reduced
 
 
 def _modal(body: Body, pose: ChainPose, modes: Modes, force: Array) -> Array:
-    felt: Array = modes.shapes.T @ felt_by_joints(pose, force, body.base == "free")
-    return felt
+    modal: Array = modes.shapes.T @ joint_force(pose, force, body.base == "free")
+    return modal
 
 
 def _force_inputs(body: Body, pose: ChainPose) -> Iterator[tuple[Array, Signal]]:
-    """Yield every actuation and load of a body: the generalised force of factor one, the factor."""
+    """Yield each input of a body: its generalised force, shape (6 + n,), and the factor on it."""
     for drive in body.drives:
         force = np.zeros(6 + pose.chain.count)
         force[6 + np.array(drive.joints, dtype=np.int64)] = 1.0
@@ -123,7 +127,7 @@ def _force_inputs(body: Body, pose: ChainPose) -> Iterator[tuple[Array, Signal]]
 
 
 def _base_motion_inputs(path: PosePath, pose: ChainPose) -> Iterator[tuple[Array, Signal]]:
-    """Yield what the joints feel of each part of the motion of their base, where it starts."""
+    """Yield the inertial force of each component of a base motion, at the start, and its factor."""
     mass = pose.mass_matrix()
     arm = pose.centres[0] - np.array(path.about)
     for axis in range(3):
@@ -139,10 +143,10 @@ def _base_motion_inputs(path: PosePath, pose: ChainPose) -> Iterator[tuple[Array
 
 @dataclass(frozen=True, slots=True)
 class Acceleration:
-    """The second derivative of an input over time, taken over a few milliseconds.
+    """The second derivative of an input over time, as a difference over a few milliseconds.
 
-    So a jump of the velocity, as between way-points with straight lines between them, is seen. The
-    start is none: a motion starts with the velocity that it has.
+    The difference includes jumps of the velocity, as at waypoints that straight lines join. The
+    start is not a jump: the base already has the initial velocity of its motion.
     """
 
     displacement: Signal
@@ -155,17 +159,17 @@ class Acceleration:
         return (before - 2 * now + after) / width**2
 
     def constant_until(self, time: float) -> float:
-        """Return the time [s] up to which the value stays what it is at `time`."""
+        """Return the time [s] up to which the value is constant from `time`."""
         return max(time, self.displacement.constant_until(time) - self.width)
 
     @property
     def constant_from(self) -> float:
-        """The time [s] from which on the value is held; 0 if it goes on for ever."""
+        """The time [s] from which the value is constant; 0 if it never is."""
         return self.displacement.constant_from + self.width
 
 
 def _across(pose: ChainPose) -> Array:
-    """Return a unit vector across the base's backbone, in which the first joint bends if it can."""
+    """Return a unit vector across the backbone at the base, in which the first joint can bend."""
     along = pose.rotations[0, :, 2]
     across = np.cross(pose.axes[0], along)
     if np.linalg.norm(across) < 1e-6:

@@ -1,4 +1,4 @@
-"""The modes of a chain about one pose, and the step that the explicit law allows there."""
+"""The modes of a chain about a pose, and the largest stable step of the explicit integrator."""
 
 from __future__ import annotations
 
@@ -14,9 +14,7 @@ from somo_cli.simulation.dynamics.modal import largest_explicit_step, mass_norma
 
 Complex: TypeAlias = npt.NDArray[np.complex128]
 
-NEGATIVE_STIFFNESS_TOLERANCE = (
-    -1e-9
-)  # of the largest eigenvalue: what counts as a negative stiffness
+NEGATIVE_STIFFNESS = -1e-9  # eigenvalue, over the largest, below which a chain topples
 
 
 class SingularInertia(ValueError):
@@ -25,12 +23,12 @@ class SingularInertia(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Modes:
-    """The modes of M q'' + D q' + K q = 0, slow ones first; arrays of shape (n,).
+    """The modes of M q'' + D q' + K q = 0, the slowest first; arrays of shape (n,).
 
-    `shapes`, (n, n), has one in each column, orthonormal with respect to M. `squared_frequencies`
-    are those of the natural frequencies [rad²/s²], negative where the chain topples; `damping` is
-    the diagonal of D in these modes [1/s]. Exact, whatever D is, are the explicit step [s] and
-    `all_roots` [1/s], shape (2n,), of det(s² M + s D + K) = 0, those of least modulus first.
+    The columns of `shapes`, shape (n, n), are the mode shapes, orthonormal with respect to M.
+    `squared_frequencies` [rad²/s²] are negative where the chain topples. `damping` [1/s] is the
+    diagonal of D in modal coordinates. `explicit_step` [s] and `all_roots` [1/s], shape (2n,), the
+    solutions of det(s² M + s D + K) = 0 by increasing modulus, are exact for any D.
     """
 
     squared_frequencies: Array
@@ -41,23 +39,20 @@ class Modes:
 
     @property
     def least_damping_ratio(self) -> float:
-        """The damping ratio -Re s / |s| of what dies away last in its periods; exact.
-
-        Negative where the chain topples.
-        """
+        """The smallest damping ratio -Re s / |s| of all roots; negative if the chain topples."""
         moduli = np.abs(self.all_roots)
         moving = moduli > 1e-9 * moduli.max()
         return float((-self.all_roots.real[moving] / moduli[moving]).min(initial=1.0))
 
     @property
     def frequencies(self) -> Array:
-        """Natural frequencies without damping [rad/s]; those of toppling are zero."""
+        """Natural frequencies without damping [rad/s]; zero for modes that topple."""
         found: Array = np.sqrt(np.maximum(self.squared_frequencies, 0.0))
         return found
 
     @property
     def damping_ratios(self) -> Array:
-        """Damping damping_ratios of the modes; infinite for a damped one without stiffness."""
+        """Damping ratios of the modes; infinite for a damped mode without stiffness."""
         twice = 2 * np.sqrt(np.abs(self.squared_frequencies))
         with np.errstate(divide="ignore", invalid="ignore"):
             found: Array = np.where(self.damping > 0, self.damping / twice, 0.0)
@@ -65,7 +60,7 @@ class Modes:
 
     @property
     def moduli(self) -> Array:
-        """Natural frequencies [rad/s] as divisors: of either sign of the square, never zero."""
+        """Square roots of the absolute squared frequencies [rad/s], never zero: safe divisors."""
         squared_frequencies = np.abs(self.squared_frequencies)
         found: Array = np.sqrt(
             np.maximum(squared_frequencies, max(1e-12 * float(squared_frequencies.max()), 1e-30))
@@ -74,14 +69,14 @@ class Modes:
 
     @property
     def roots(self) -> Complex:
-        """The root [1/s] by which each mode moves on, as if damping did not couple modes.
+        """The root of each mode [1/s], as if damping did not couple the modes.
 
-        Of a mode that is damped beyond the critical it is the slow one of the two.
+        For an overdamped mode it is the slower of the two roots.
         """
         moduli = self.moduli
         damping_ratios = self.damping / (2 * moduli)
         beyond = np.sqrt((damping_ratios**2 - 1).astype(np.complex128))
-        # not ζ - sqrt(ζ² - 1), which has no digits left where ζ is large
+        # ζ - sqrt(ζ² - 1) would lose all digits for large ζ
         found: Complex = np.where(
             damping_ratios < 1,
             moduli * (beyond - damping_ratios),
@@ -91,15 +86,14 @@ class Modes:
 
     @property
     def topples(self) -> bool:
-        """Whether the chain leaves this pose by itself."""
+        """Whether gravity or loads overcome the springs, so that the pose is unstable."""
         return bool(
-            self.squared_frequencies[0]
-            < NEGATIVE_STIFFNESS_TOLERANCE * abs(self.squared_frequencies[-1])
+            self.squared_frequencies[0] < NEGATIVE_STIFFNESS * abs(self.squared_frequencies[-1])
         )
 
 
 def modes_at(pose: ChainPose, has_free_base: bool, geometric: Array) -> Modes:
-    """Return the modes at a pose; `geometric`, (n, n), is the stiffness of gravity and loads.
+    """Return the modes at a pose; `geometric`, shape (n, n), is the stiffness of gravity and loads.
 
     Raises SingularInertia.
     """
@@ -108,17 +102,17 @@ def modes_at(pose: ChainPose, has_free_base: bool, geometric: Array) -> Modes:
     try:
         normalised, shaped = mass_normalisation(mass)
     except np.linalg.LinAlgError as error:
-        raise SingularInertia("masses that differ too much leave no inertia to a joint") from error
+        raise SingularInertia("the masses differ too much, so the inertia is singular") from error
     stiff, damper = normalised(springs + geometric), normalised(damping)
     squared_frequencies, vectors = np.linalg.eigh(stiff)
     damped = np.einsum("ik,ij,jk->k", vectors, damper, vectors)
-    # what gravity takes away from the springs must not make the answer optimistic
+    # gravity can reduce the stiffness, which must not lengthen the step
     step = min(
         largest_explicit_step(mass, stiffness, damping)
         for stiffness in (springs, springs + geometric)
     )
     n = len(mass)
-    # the quadratic eigenproblem as a linear one of twice the size: Tisseur and Meerbergen,
+    # linearisation of the quadratic eigenvalue problem: Tisseur and Meerbergen,
     # SIAM Review 43 (2001) 235, sec. 3.4
     companion = np.block([[np.zeros((n, n)), np.eye(n)], [-stiff, -damper]])
     roots = np.linalg.eigvals(companion).astype(np.complex128)

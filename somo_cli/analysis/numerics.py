@@ -1,4 +1,4 @@
-"""The whole of `somo check --numerics`: what is expected of a scene, and what to say of it."""
+"""The report of `somo check --numerics`: forecasts of a scene, and findings from them."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ from somo_cli.problems import Pointer, Problem
 from somo_cli.scene.model import Integrator
 from somo_cli.simulation.plan.model import Body, Plan
 
-FAST_TURN = 1.0  # rad in a step; Coriolis forces are followed to second order in it
+FAST_TURN = 1.0  # rad in a step; the error of Coriolis forces grows with its square
 
 
 @dataclass(frozen=True, slots=True)
 class NumericsReport:
-    """What is expected of a plan: the forecast of each body that could be judged, and findings."""
+    """The forecast of each body of a plan that can be judged, and all findings."""
 
     plan: Plan
     forecasts: tuple[StabilityForecast, ...]
@@ -36,27 +36,27 @@ class NumericsReport:
 
     @property
     def error(self) -> float:
-        """The tip error to expect at the plan's own step, relative to the length."""
+        """Expected tip error with the plan's time step, relative to the length; nan if unknown."""
         if not self.forecasts:
             return math.nan
         return predicted_error(self.forecasts, self.plan.integrator, self.plan.time_step)
 
     def recommended_step_for(self, integrator: Integrator) -> float:
-        """Return the step [s] to recommend for all bodies together."""
+        """Return the recommended step for all bodies together [s]; nan if unknown."""
         return min(
             (one.recommended_step_for(integrator) for one in self.forecasts), default=math.nan
         )
 
     @property
     def explicit_step(self) -> float:
-        """The largest stable step of the explicit law [s]."""
+        """The largest stable step of the explicit integrator [s]; nan if unknown."""
         return min((one.explicit_step for one in self.forecasts), default=math.nan)
 
 
 def assess(
     plan: Plan, document: Document, visited: Mapping[str, Sequence[tuple[Pose, Array]]]
 ) -> NumericsReport:
-    """Judge a plan made from a document; `visited` holds poses of a trajectory by body name."""
+    """Return the report on the plan of a document; `visited` holds recorded poses by body name."""
     forecasts: list[StabilityForecast] = []
     findings: list[Problem] = []
     for index, body in enumerate(plan.bodies):
@@ -65,7 +65,7 @@ def assess(
         try:
             forecast = forecast_of(plan, body, visited.get(body.name, ()))
         except SingularInertia:
-            continue  # the conditioning has said so
+            continue  # reported by the findings on conditioning
         forecasts.append(forecast)
         findings.extend(_body_findings(body, forecast, document, at))
         swings = forecast.motion.joint_excursions
@@ -81,17 +81,17 @@ def _body_findings(
     if forecast.modes["start"].topples:
         yield Problem(
             document.span(at),
-            f"'{body.name}' topples: gravity is stronger than its springs where it starts, so "
-            "the least disturbance decides where it falls, and no step makes that predictable",
-            "start it bent, lighten it, or stiffen its springs",
+            f"'{body.name}' topples: gravity is stronger than its springs at the start, so the "
+            "smallest disturbance decides where it falls, with any time step",
+            "start it bent, or make it lighter or its springs stiffer",
             "warning",
             "topples",
         )
     if forecast.motion.is_assumed:
         yield Problem(
             document.span(at),
-            f"nothing moves '{body.name}' from where it starts, so what is expected is said of one "
-            "that is let go in 9.81 m/s² sideways",
+            f"nothing moves '{body.name}' from its start, so the forecast is for a release in "
+            "gravity of 9.81 m/s² sideways",
             "give it actuation, loads, initial_angles or initial_rates",
             "info",
             "nothing-moves",
@@ -107,7 +107,7 @@ def _step_findings(report: NumericsReport, document: Document) -> Iterator[Probl
         is_over = step > limit
         yield Problem(
             place,
-            f"a step of {step:g} s is {'beyond' if is_over else 'near'} the limit of the explicit "
+            f"a step of {step:g} s is {'above' if is_over else 'near'} the limit of the explicit "
             f"integrator, {limit:.3g} s",
             f"time_step: {report.recommended_step_for('explicit'):g}, or integrator: implicit with "
             f"time_step: {report.recommended_step_for('implicit'):g}",
@@ -123,7 +123,7 @@ def _step_findings(report: NumericsReport, document: Document) -> Iterator[Probl
         ]
         yield Problem(
             place,
-            f"the tip is expected to be off by {100 * report.error:.2g} % of the length, with "
+            f"a tip error of {100 * report.error:.2g} % of the length is expected with "
             f"{integrator} at {step:g} s",
             ", or ".join(better if integrator != "implicit" else better[:1]),
             "warning",
@@ -147,8 +147,8 @@ def _step_findings(report: NumericsReport, document: Document) -> Iterator[Probl
         modes = "1 mode is" if count == 1 else f"{count} modes are"
         yield Problem(
             place,
-            f"{modes} too fast for a step of {step:g} s, and followed as if at rest",
-            f"below {math.pi / fastest:.1g} s every mode is followed",
+            f"{modes} too fast for a step of {step:g} s, and treated as static",
+            f"below {math.pi / fastest:.1g} s every mode is resolved",
             "info",
             "unresolved-modes",
         )

@@ -1,4 +1,4 @@
-"""One run of a plan kept in memory, and the run time of its stepping loop."""
+"""A run of a plan in memory: its rows, or the run time of its stepping loop."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.run import run
 
 OpenWorld: TypeAlias = Callable[[Plan], AbstractContextManager[World]]
-"""How a plan gets an engine of its own."""
+"""Opens an engine for a plan."""
 
 Clock: TypeAlias = Callable[[], float]
-"""Seconds from whenever."""
+"""Returns the time since an arbitrary instant [s]."""
 
 
 def record_rows(plan: Plan, steps: int, open_world: OpenWorld) -> Array:
-    """Simulate and return every recorded row, shape (rows, columns), time [s] first, SI.
+    """Simulate and return the recorded rows, shape (rows, columns), time first, in SI.
 
     Raises SimulationDiverged and EngineRefused.
     """
@@ -36,10 +36,10 @@ def record_rows(plan: Plan, steps: int, open_world: OpenWorld) -> Array:
 def median_run_time(
     plan: Plan, steps: int, open_world: OpenWorld, clock: Clock, repeats: int
 ) -> float:
-    """Return the time of the stepping loop alone [s], the median of several runs.
+    """Return the run time of the stepping loop alone [s], the median of `repeats` runs.
 
-    Nothing but the first and the last row is recorded, and of them only the time. Raises
-    SimulationDiverged and EngineRefused.
+    The runs record nothing but the time in the first and the last row. Raises SimulationDiverged
+    and EngineRefused.
     """
     bare = replace(plan, columns=(), every=max(1, steps))
     times = []

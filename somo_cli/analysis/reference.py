@@ -1,4 +1,4 @@
-"""What errors are measured against: the same scene at vanishing step, with its own error."""
+"""The reference of errors: the limit of a scene for vanishing time steps, with its own error."""
 
 from __future__ import annotations
 
@@ -16,26 +16,25 @@ from somo_cli.scene import columns
 from somo_cli.scene.model import Quantity
 from somo_cli.simulation.plan.model import Plan
 
-PLAUSIBLE_ORDERS = (
-    0.75,
-    2.75,
-)  # observed orders that can be believed of a method or a chain of order 1 or 2
-ORDER_TOLERANCE = (
-    0.25  # to a whole number: the order is that number, the rest is of terms that follow
-)
+PLAUSIBLE_ORDERS = (0.75, 2.75)
+"""Range of observed orders that is accepted of methods and chains of order 1 or 2."""
+
+ORDER_TOLERANCE = 0.25
+"""Distance from a whole number within which that is the order; higher terms cause the rest."""
+
 ATTEMPTS = 4
-ROUNDING = 1e-14  # of the largest value: no difference of runs means anything below
+ROUNDING = 1e-14  # difference of runs, over the largest value, that is only rounding
 
 RunAtTimeStep: TypeAlias = Callable[[float], Array]
-"""Simulates with a time step [s] and returns the rows at the common instants."""
+"""Simulates with a time step [s] and returns the rows at common instants."""
 
 
 @dataclass(frozen=True, slots=True)
 class ExtrapolatedRows:
-    """Rows at the common instants, with the error [unit] and observed order of each quantity.
+    """Rows at the common instants, and the error and observed order of each quantity.
 
-    The error is an estimate from above, at its worst and at the end; the order is not a number
-    where none could be seen.
+    `error` (the maximum over time) and `final_error` are conservative estimates, in the unit of the
+    quantity. The order is nan where none can be observed.
     """
 
     rows: Array
@@ -46,16 +45,17 @@ class ExtrapolatedRows:
 
 @dataclass(frozen=True, slots=True)
 class Reference(ExtrapolatedRows):
-    """What a scene converges to, the finest step [s] of the runs behind it, and its kind."""
+    """The limit of a scene, the finest time step of the runs behind it [s], and its kind."""
 
     time_step: float
     kind: str = "self-converged"
 
 
 def converged_reference(plan: Plan, time_step: float, recorded: RunAtTimeStep) -> Reference:
-    """Return the reference by runs with this step [s], its half and its quarter.
+    """Return the reference from runs with this step [s], half of it and a quarter of it.
 
-    Where a run diverges, all are made with half the step; raises SimulationDiverged in the end.
+    If a run diverges, all are repeated with half the step, up to ATTEMPTS times. Raises
+    SimulationDiverged.
     """
     for attempt in range(ATTEMPTS):
         step = time_step / 2**attempt
@@ -73,12 +73,13 @@ def converged_reference(plan: Plan, time_step: float, recorded: RunAtTimeStep) -
 def extrapolate(plan: Plan, levels: Sequence[Array], ratio: float) -> ExtrapolatedRows:
     """Return Richardson's limit of three levels, coarse to fine, with its error and the orders.
 
-    With p the order observed in a quantity, or the whole number it is near to, and r the ratio of
-    the steps, the limit is y3 + (y3 - y2) / (r^p - 1). For its error stands what the limit changed
-    by from the coarser pair to the finer one, divided by r^p - 1 as well, since the rest falls no
-    slower; and, as pairs agree by themselves where p was taken from them, what another p would
-    change. Where no order can be seen the finest level stands, with the last change for its
-    error: Roache, J. Fluids Eng. 116 (1994) 405.
+    Let p be the order observed in a quantity, or the whole number that it is close to, and r the
+    ratio of the steps. The limit is y3 + (y3 - y2) / (r^p - 1). Its error is the larger of two
+    estimates. The first is the difference of the limits of the finer and of the coarser pair, over
+    r^p - 1 since the rest falls at least as fast. The second, as both pairs agree where p was
+    observed in them, is the change of the limit between the observed and the whole order.
+    If no order is plausible the limit is y3, and its error
+    the last change: Roache, J. Fluids Eng. 116 (1994) 405.
     """
     first, second, third = (_with_aligned_quaternions(plan, level, levels[2]) for level in levels)
     before, after = error_profiles(plan, first, second), error_profiles(plan, second, third)
@@ -97,7 +98,7 @@ def extrapolate(plan: Plan, levels: Sequence[Array], ratio: float) -> Extrapolat
             apart[part] = abs(1 / (ratio**order - 1) - 1 / (ratio**near - 1))
     rows = third + factor * (third - second)
     coarser = second + factor * (second - first)
-    # rows that are off by what the error is made of, so that each quantity measures it its own way
+    # shifted rows, so that each quantity measures its error in its own way
     by_pairs = error_profiles(plan, rows, rows + np.where(factor > 0, factor, 1) * (coarser - rows))
     by_order = error_profiles(plan, rows, rows + apart * (third - second))
     error: dict[Quantity, float] = {}

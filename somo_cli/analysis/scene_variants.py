@@ -1,4 +1,4 @@
-"""The same scene with another step, integrator or number of segments."""
+"""A scene with another time step, integrator or number of segments."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from somo_cli.scene.model import ExternalLoad, Integrator, Manipulator, Quantity
 from somo_cli.simulation.plan.build import make_plan
 
 ALWAYS_COMPARED: tuple[Quantity, ...] = ("tip_position", "joint_angles", "energy")
-"""What a study compares whatever the scene records."""
+"""Quantities that a study compares even if the scene does not record them."""
 
 
 def study_variant(scene: Scene) -> Scene:
-    """Return the scene recording what a study compares, and what it records of manipulators.
+    """Return the scene with the recorded quantities that a study compares, and no stop conditions.
 
-    Whole quantities, and to the end of the study's time: where conditions would end variants at
-    different instants nothing could be compared. Of a scene that picks columns from all quantities
-    those with a picked column.
+    They are ALWAYS_COMPARED, and every quantity of manipulators of which the scene records a
+    column, each with all its columns. Variants that stop at different instants could not be
+    compared.
     """
     picked = (group.quantity for group in body_column_groups(make_plan(scene).recorded))
     columns = tuple(dict.fromkeys((*ALWAYS_COMPARED, *picked)))
@@ -34,7 +34,7 @@ def with_time_step(scene: Scene, integrator: Integrator, time_step: float, every
 
 
 def with_segments(scene: Scene, count: int) -> Scene:
-    """Return the scene with `count` segments in every actuator, the continuum kept.
+    """Return the scene with `count` segments in every actuator that stand for the same continuum.
 
     Raises resegmentation.NotUniform, its message starting with the name of the manipulator.
     """
@@ -57,12 +57,12 @@ def _manipulator_with_segments(one: Manipulator, count: int) -> Manipulator:
         )
     except resegmentation.NotUniform as error:
         raise resegmentation.NotUniform(
-            f"'{one.name}' cannot be cut into {count}: {error}"
+            f"'{one.name}' cannot be divided into {count} segments: {error}"
         ) from error
 
 
 def _moved_load(load: ExternalLoad, before: Chain, after: Chain) -> ExternalLoad:
-    """Return a load on the base or on the last link of a limb, at the same place from the tip."""
+    """Return a load at the same position from the tip; it acts on a base or on a last link."""
     if load.link == 0:
         return load
     for old, new in zip(before.backbones, after.backbones, strict=True):
@@ -70,4 +70,6 @@ def _moved_load(load: ExternalLoad, before: Chain, after: Chain) -> ExternalLoad
             point = geometry.add(new.tip, geometry.subtract(load.point, old.tip))
             return dataclasses.replace(load, link=new.last_link, point=point)
     link = before.links[load.link].name
-    raise resegmentation.NotUniform(f"there is a load on {link}, which may have no counterpart")
+    raise resegmentation.NotUniform(
+        f"a load acts on {link}, which has no counterpart with another number of segments"
+    )

@@ -1,4 +1,4 @@
-"""What to expect of a scene before it runs: modes at its poses, steps that hold, steps that do."""
+"""Forecast of a scene before it runs: modes, stable time steps, and recommended ones."""
 
 from __future__ import annotations
 
@@ -17,18 +17,16 @@ from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics, ChainPose
 from somo_cli.simulation.dynamics.external_loads import load_stiffness
 from somo_cli.simulation.plan.model import Body, Plan
 
-TARGET_TIP_ERROR = (
-    0.01  # error of the tip relative to the length that a recommended step stays below
-)
-EXPLICIT_SAFETY = 0.9  # of the explicit limit
+TARGET_TIP_ERROR = 0.01  # of a recommended step, relative to the length
+EXPLICIT_SAFETY = 0.9  # of the largest stable step of the explicit integrator
 
 
 @dataclass(frozen=True, slots=True)
 class StabilityForecast:
-    """One body before the run: its modes at the poses looked at, and how it will move.
+    """The modes of a body at several poses, by name, and its expected motion.
 
-    The poses are called start, neutral (every spring relaxed) and worst (of a trajectory: where
-    the explicit step is least).
+    The poses are start, neutral (all springs relaxed) and worst (the pose of a trajectory with the
+    smallest explicit step).
     """
 
     body: Body
@@ -37,13 +35,13 @@ class StabilityForecast:
 
     @property
     def explicit_step(self) -> float:
-        """The largest stable step of the explicit law [s] at every pose looked at."""
+        """The largest step of the explicit integrator that is stable at all poses [s]."""
         return min(one.explicit_step for one in self.modes.values())
 
     def recommended_step_for(
         self, integrator: Integrator, target: float = TARGET_TIP_ERROR
     ) -> float:
-        """Return the step [s] that is stable and whose tip error is expected below the target."""
+        """Return the largest stable step [s] with an expected tip error below the target."""
         step = self.motion.recommended_step_for(integrator, target)
         if integrator == "explicit":
             step = min(step, round_down_step(EXPLICIT_SAFETY * self.explicit_step))
@@ -53,9 +51,9 @@ class StabilityForecast:
 def forecast_of(
     plan: Plan, body: Body, visited: Iterable[tuple[Pose, Array]] = ()
 ) -> StabilityForecast:
-    """Return what to expect of one body of a plan.
+    """Return the forecast of a body of a plan.
 
-    `visited` holds poses of the base in the world [engine units] and joint angles, shape (n,), of a
+    `visited` holds base poses in the world [engine units] and joint angles [rad], shape (n,), of a
     trajectory. Raises SingularInertia.
     """
     chain = ChainDynamics(body.chain)
@@ -77,10 +75,10 @@ def forecast_of(
 
 
 def recommended_step(plan: Plan, target: float = TARGET_TIP_ERROR) -> tuple[float, float]:
-    """Return the step [s] for the integrator of a plan, and the tip error to expect of it.
+    """Return the recommended step [s] for the integrator of a plan, and its expected tip error.
 
-    The step is the smallest that one of the bodies needs, the error relative to the length that
-    of the worst. Raises SingularInertia.
+    The step is the smallest of all bodies, the error the largest, relative to the length. Raises
+    SingularInertia.
     """
     forecasts = [forecast_of(plan, body) for body in plan.bodies]
     step = min(one.recommended_step_for(plan.integrator, target) for one in forecasts)
@@ -90,7 +88,7 @@ def recommended_step(plan: Plan, target: float = TARGET_TIP_ERROR) -> tuple[floa
 def predicted_error(
     forecasts: Sequence[StabilityForecast], integrator: Integrator, step: float
 ) -> float:
-    """Return the tip error to expect of the worst body, relative to its length."""
+    """Return the largest expected tip error of the bodies, relative to their lengths."""
     return max(one.motion.error(integrator, step) for one in forecasts)
 
 
@@ -105,7 +103,7 @@ def _modes(plan: Plan, body: Body, pose: ChainPose) -> Modes:
 
 
 def round_down_step(step: float) -> float:
-    """Return the largest 1, 2 or 5 times a power of ten that is no larger."""
+    """Return the largest value of 1, 2 or 5 times a power of ten that is not larger [s]."""
     if not step < LARGEST_STEP:
         return LARGEST_STEP
     exponent = math.floor(math.log10(step))

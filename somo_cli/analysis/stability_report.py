@@ -1,4 +1,4 @@
-"""What is expected of a scene, as a table and as plain values."""
+"""The report on the numerics of a scene, as a table and as values for JSON."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ INTEGRATORS: tuple[Integrator, ...] = ("implicit", "euler", "explicit")
 
 
 def table(report: NumericsReport) -> list[str]:
-    """Return what to print: the modes of every body, then the steps."""
+    """Return the modes of every body, the recommended steps and the verdict, as lines."""
     rows: list[list[str]] = []
     for one in report.forecasts:
         rows += [*_forecast_rows(one), []]
@@ -62,7 +62,7 @@ def stiffness_ratio(frequencies: Array) -> float:
 
 
 def plain_data(report: NumericsReport) -> dict[str, object]:
-    """Return what the table says as values for JSON; None where there is no number."""
+    """Return the same as values for JSON; None where a number is not finite."""
     plan = report.plan
     return {
         "integrator": plan.integrator,

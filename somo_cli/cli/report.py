@@ -88,7 +88,7 @@ def report(
     names; run times are those of the stepping loop alone.
     """
     from somo_cli import loading
-    from somo_cli.analysis import closed_form_references, study_report
+    from somo_cli.analysis import closed_form_references, study_export, study_report
     from somo_cli.analysis.study_model import StudySettings
     from somo_cli.simulation.metadata import provenance
 
@@ -113,9 +113,9 @@ def report(
     folder = Path(output or f"{Path(scene).stem}_report")
     pictures = _pictures(study, Path(scene).stem)
     folder.mkdir(parents=True, exist_ok=True)
-    about = {**provenance(document.texts, sets or []), **study_report.plain_data(study, target)}
+    about = {**provenance(document.texts, sets or []), **study_export.plain_data(study, target)}
     files.write_atomically(str(folder / "report.json"), json.dumps(about, indent=2) + "\n")
-    files.write_atomically(str(folder / "report.csv"), study_report.csv_text(study))
+    files.write_atomically(str(folder / "report.csv"), study_export.csv_text(study))
     for kind, picture in pictures.items():
         files.write_atomically(str(folder / f"report.{kind}"), picture)
     typer.echo(study_report.table(study))
@@ -148,8 +148,8 @@ def _steps(text: str | None, own: float) -> tuple[float, ...]:
     from somo_cli.analysis import common_instants
 
     if text is None:
-        rungs = (Fraction(4), Fraction(2), Fraction(1), Fraction(1, 2), Fraction(1, 4))
-        return common_instants.scaled_steps(own, rungs)
+        factors = (Fraction(4), Fraction(2), Fraction(1), Fraction(1, 2), Fraction(1, 4))
+        return common_instants.scaled_steps(own, factors)
     try:
         steps = tuple(dict.fromkeys(float(part) for part in text.split(",")))
     except ValueError:

@@ -52,7 +52,7 @@ def test_a_final_error_is_that_of_the_last_row() -> None:
     assert short.errors[0].rms == pytest.approx(short.errors[0].maximum / np.sqrt(2))
 
 
-def test_turned_quaternions_are_no_error() -> None:
+def test_the_sign_of_a_quaternion_is_no_error() -> None:
     scene = scene_from_text(
         "manipulators: [{definition: finger.yaml, base: free, angular_velocity: [0, 0, 20]}]\n"
         "gravity: [0, 0, 0]\nrecord: {every: 5, columns: [base_pose]}\n"
@@ -75,7 +75,7 @@ def test_picked_columns_have_the_errors_they_have_among_all() -> None:
         assert error == everything[name]
 
 
-def test_a_run_that_was_stopped_is_held_against_one_of_the_same_length() -> None:
+def test_a_run_that_was_stopped_is_compared_with_one_of_the_same_length() -> None:
     scene = scene_from_file("scene.yaml", "stop=[{time: 0.123}]")
     plan = make_plan(scene)
     rows, summary = simulated(plan, 500)

@@ -63,7 +63,7 @@ def test_every_quantity_has_its_own_measure() -> None:
     )
 
 
-def test_opposite_quaternions_are_one_turn() -> None:
+def test_opposite_quaternions_are_one_rotation() -> None:
     reference = np.array([[0.0, 0.6, 0.0, 0.8, 1.0, 0.0, 0.0, 0.0]])
     found = align_quaternions(
         "link_orientations", reference * [-1, -1, -1, -1, 1, 1, 1, 1], reference

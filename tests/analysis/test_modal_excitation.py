@@ -21,7 +21,7 @@ def test_the_acceleration_is_the_second_derivative() -> None:
     assert smooth.constant_from == pytest.approx(1, abs=0.01)
 
 
-def test_a_jump_of_the_velocity_is_seen_and_the_start_is_none() -> None:
+def test_a_jump_of_the_velocity_counts_and_the_start_does_not() -> None:
     straight = Acceleration(piecewise_signal([(0, 0), (1, 3)], "linear", False))
     assert straight.at(0.0) == pytest.approx(0, abs=1e-9)
     assert straight.at(0.5) == pytest.approx(0, abs=1e-9)

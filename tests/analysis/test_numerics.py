@@ -69,7 +69,7 @@ def test_shipped_scenes_are_fit_to_run(name: str) -> None:
             ("manipulators[0].definition.tip_definition.mass=30",),
             "topples",
             "warning",
-            "stiffen its springs",
+            "its springs stiffer",
         ),
         (
             ("manipulators[0].definition.tip_definition.mass=30",),
@@ -135,7 +135,7 @@ def test_the_advice_for_a_frozen_joint_cures_it() -> None:
     assert "frozen-joint" not in codes(judged("scene.yaml", scale))
 
 
-def test_a_body_without_inertia_is_said_to_have_none() -> None:
+def test_a_body_of_singular_inertia_is_an_error() -> None:
     known = judged(
         "scene.yaml",
         f"{CUT}.link_definition.mass=1e-12",
@@ -146,20 +146,20 @@ def test_a_body_without_inertia_is_said_to_have_none() -> None:
     assert stability_report.plain_data(known)["explicit_step_s"] is None
 
 
-def test_what_nothing_moves_is_said() -> None:
+def test_a_body_that_nothing_moves_is_a_finding() -> None:
     known = judged("cantilever_scene.yaml", "manipulators[0].loads=[]")
     assert codes(known)["nothing-moves"] == "info"
     assert "nothing-moves" not in codes(judged("cantilever_scene.yaml"))
 
 
-def test_the_mass_that_would_be_right_is_in_kilograms() -> None:
+def test_the_recommended_mass_is_in_kilograms() -> None:
     heavy = "manipulators[0].definition.tip_definition.mass=30"
     known = judged("scene.yaml", heavy, "world_scale={length: 20, mass: 1000}")
     (found,) = (one for one in known.findings if one.code == "mass-ratio")
     assert "heavier than 0.03 kg" in found.hint
 
 
-def test_the_table_and_the_values_tell_the_same() -> None:
+def test_the_table_and_the_values_agree() -> None:
     known = judged("scene.yaml")
     told = stability_report.plain_data(known)
     lines = "\n".join(stability_report.table(known))
@@ -217,7 +217,7 @@ def test_the_base_is_where_the_run_had_it() -> None:
         ),
     ],
 )
-def test_a_file_that_is_no_such_run(lines: list[str], message: str) -> None:
+def test_a_file_that_is_not_a_run_of_the_scene(lines: list[str], message: str) -> None:
     plan = make_plan(scene_from_file("scene.yaml"))
     with pytest.raises(InvalidFile) as caught:
         visited_poses(recorded(*lines), plan)

@@ -199,7 +199,7 @@ def test_a_jump_leaves_all_and_a_slow_ramp_little() -> None:
         assert ramp.largest == pytest.approx([most / omega**2], rel=2e-3)
 
 
-def test_what_lasts_is_the_change_of_a_motion_with_its_root() -> None:
+def test_phase_weighted_is_the_change_of_a_motion_with_its_root() -> None:
     """Against a central difference, for drives that come and go."""
     times = TIMES[::10]
     values = np.sin(3 * times) * np.exp(-((times - 5) ** 2))
@@ -240,7 +240,7 @@ def test_waves_out_of_step_cancel() -> None:
 
 
 @pytest.mark.parametrize("time", [0.5, 8.0, 60.0])
-def test_a_push_counts_whenever_it_comes(time: float) -> None:
+def test_a_force_counts_whenever_it_acts(time: float) -> None:
     """A jump of a torque leaves as much behind, and for as long, at any time."""
     text = (
         "manipulators:\n  - definition: finger.yaml\n    actuation:\n"
@@ -255,7 +255,7 @@ def test_a_push_counts_whenever_it_comes(time: float) -> None:
     assert found == pytest.approx(expected, rel=0.02)
 
 
-def test_what_nothing_moves_is_let_go_sideways() -> None:
+def test_a_body_that_nothing_moves_is_released_sideways() -> None:
     scene = scene_from_file("cantilever_scene.yaml", "manipulators[0].loads=[]")
     plan = make_plan(scene)
     (body,) = plan.bodies

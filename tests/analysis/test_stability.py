@@ -233,7 +233,7 @@ def test_a_thrown_body_has_no_stiffness_of_gravity() -> None:
     assert np.array_equal(first, second)
 
 
-def test_the_worst_pose_met_counts() -> None:
+def test_the_worst_visited_pose_counts() -> None:
     scene = scene_from_file("scene.yaml")
     plan = make_plan(scene)
     (body,) = plan.bodies

@@ -1,4 +1,4 @@
-"""Studies of real scenes: what is measured, what is refused, what is chosen, how it is told."""
+"""Studies of real scenes: measurements, refusals, recommendations, and reports."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import math
 import numpy as np
 import pytest
 
-from somo_cli.analysis import closed_form_references, study_report
+from somo_cli.analysis import closed_form_references, study_export, study_report
 from somo_cli.analysis.choice import balanced, cheapest, rated_cases
 from somo_cli.analysis.common_instants import common_instants
 from somo_cli.analysis.reference_scene import ReferenceMismatch
@@ -40,7 +40,7 @@ def ticking() -> object:
     return clock
 
 
-def answer(
+def study_of(
     scene: Scene,
     steps: tuple[float, ...],
     duration: float,
@@ -53,7 +53,7 @@ def answer(
 
 @pytest.fixture(scope="module")
 def finger() -> Study:
-    return answer(scene_from_file("scene.yaml"), (8e-3, 4e-3, 2e-3), 0.4, ALL)
+    return study_of(scene_from_file("scene.yaml"), (8e-3, 4e-3, 2e-3), 0.4, ALL)
 
 
 def test_every_case_is_there(finger: Study) -> None:
@@ -80,17 +80,17 @@ def test_errors_fall_with_the_order_of_the_integrator(finger: Study) -> None:
 def test_the_reference_knows_its_error(finger: Study) -> None:
     """Against a reference that is finer still."""
     (cut,) = finger.discretizations
-    finer = answer(scene_from_file("scene.yaml"), (2.5e-4,), 0.4)
+    finer = study_of(scene_from_file("scene.yaml"), (2.5e-4,), 0.4)
     apart = np.abs(cut.reference.rows - finer.discretizations[0].reference.rows)[:, 1:4].max()
     assert apart <= cut.reference.error["tip_position"] < 1e-7
 
 
-def test_errors_below_that_of_the_reference_are_not_told() -> None:
+def test_errors_below_that_of_the_reference_are_not_reported() -> None:
     scene = scene_from_file("scene.yaml", "record={columns: [actuation]}")
-    found = answer(scene, (2e-3, 1e-3), 0.2)
+    found = study_of(scene, (2e-3, 1e-3), 0.2)
     assert all(case.errors["actuation"] is None for case in found.cases)
     assert all(case.errors["tip_position"] is not None for case in found.cases)
-    (rows, *_) = list(csv.DictReader(io.StringIO(study_report.csv_text(found))))
+    (rows, *_) = list(csv.DictReader(io.StringIO(study_export.csv_text(found))))
     assert rows["actuation_max_nm"] == ""
     assert float(rows["tip_position_max_m"]) > 0
 
@@ -104,14 +104,14 @@ def test_the_cheapest_case_that_is_good_enough_is_chosen(finger: Study) -> None:
         "for 1 % tip error use implicit, dt = 0.008 s: "
     )
     assert study_report.recommendation(finger, 1e-9).startswith(
-        "no case has 1e-07 % tip error: the nearest is implicit, dt = 0.002 s"
+        "no case has 1e-07 % tip error: the best is implicit, dt = 0.002 s"
     )
 
 
 def test_a_study_in_which_nothing_ran_says_so(finger: Study) -> None:
     failed = dataclasses.replace(finger, cases=finger.cases[-3:])
     assert rated_cases(failed) == ()
-    assert study_report.recommendation(failed, 0.01).startswith("no case ran to its end")
+    assert study_report.recommendation(failed, 0.01).startswith("no case completed")
     assert study_report.table(failed).splitlines()[1].split() == [
         "10",
         "explicit",
@@ -121,7 +121,7 @@ def test_a_study_in_which_nothing_ran_says_so(finger: Study) -> None:
 
 
 def test_the_json_is_complete_and_has_no_nan(finger: Study) -> None:
-    found = json.loads(json.dumps(study_report.plain_data(finger, 0.01), allow_nan=False))
+    found = json.loads(json.dumps(study_export.plain_data(finger, 0.01), allow_nan=False))
     assert len(found["cases"]) == 9
     assert found["chosen"] == {"segments": None, "integrator": "implicit", "time_step_s": 8e-3}
     errors = found["cases"][0]["errors"]
@@ -162,7 +162,7 @@ def cantilever(*sets: str) -> Scene:
 def test_a_chain_nears_its_beam_with_second_order(reference: str, sets: tuple[str, ...]) -> None:
     """One step is enough: at rest its error is that of rounding."""
     scene = cantilever(*sets, f"reference={reference}")
-    found = answer(scene, (2e-2,), 16.0, segments=(5, 10, 20))
+    found = study_of(scene, (2e-2,), 16.0, segments=(5, 10, 20))
     assert found.model == reference
     errors = [cut.model.maximum if cut.model else math.nan for cut in found.discretizations]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
@@ -175,23 +175,25 @@ def test_a_chain_nears_its_beam_with_second_order(reference: str, sets: tuple[st
 
 
 def test_an_arm_at_rest_too_early_says_how_much_it_moves() -> None:
-    found = answer(cantilever("reference=elastica"), (2e-2,), 1.0)
+    found = study_of(cantilever("reference=elastica"), (2e-2,), 1.0)
     assert found.model_error > 1e-2
     assert found.discretizations[0].model is None
 
 
 def test_without_a_closed_form_three_numbers_of_segments_give_the_limit() -> None:
-    found = answer(cantilever(), (2e-2,), 1.0, segments=(5, 10, 20))
+    found = study_of(cantilever(), (2e-2,), 1.0, segments=(5, 10, 20))
     assert found.model == "the limit of many segments"
     errors = [cut.model.maximum if cut.model else math.nan for cut in found.discretizations]
     assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(2, abs=0.1)
-    assert answer(cantilever(), (2e-2,), 0.2, segments=(5, 10)).model == ""
+    assert study_of(cantilever(), (2e-2,), 0.2, segments=(5, 10)).model == ""
 
 
-def test_a_scene_that_cannot_be_cut_is_refused() -> None:
+def test_a_scene_without_uniform_segments_is_refused() -> None:
     sets = "manipulators[0].loads=[{link: actuator_0_segment_03, force: [1, 0, 0]}]"
-    with pytest.raises(NotUniform, match="'cantilever' cannot be cut into 5: there is a load on"):
-        answer(cantilever(sets), (2e-2,), 0.2, segments=(5,))
+    with pytest.raises(
+        NotUniform, match="'cantilever' cannot be divided into 5 segments: a load acts on"
+    ):
+        study_of(cantilever(sets), (2e-2,), 0.2, segments=(5,))
 
 
 PENDULUM = HINGE.replace(
@@ -205,8 +207,8 @@ def pendulum() -> Scene:
     return dataclasses.replace(scene, manipulators=(one,), reference="pendulum")
 
 
-def test_a_pendulum_is_held_against_its_closed_form() -> None:
-    found = answer(pendulum(), (8e-3, 4e-3), 2.0)
+def test_a_pendulum_is_compared_with_its_closed_form() -> None:
+    found = study_of(pendulum(), (8e-3, 4e-3), 2.0)
     (cut,) = found.discretizations
     assert cut.reference.kind == "pendulum"
     assert cut.reference.error["joint_angles"] < 1e-10
@@ -214,10 +216,10 @@ def test_a_pendulum_is_held_against_its_closed_form() -> None:
     assert all(case.errors["joint_angles"] is not None for case in found.cases)
 
 
-def test_an_oscillator_is_held_against_its_closed_form() -> None:
+def test_an_oscillator_is_compared_with_its_closed_form() -> None:
     scene = scene_from_text(HINGE)
     scene = dataclasses.replace(scene, gravity=(0.0, 0.0, 0.0), reference="damped_oscillator")
-    found = answer(scene, (4e-3, 2e-3), 1.0, ("implicit", "euler", "explicit"))
+    found = study_of(scene, (4e-3, 2e-3), 1.0, ("implicit", "euler", "explicit"))
     assert [case.order for case in found.cases if case.time_step == 2e-3] == pytest.approx(
         [2, 1, 1], abs=0.15
     )
@@ -239,6 +241,8 @@ def test_an_oscillator_is_held_against_its_closed_form() -> None:
         ("damped_oscillator", (), "single joint, not 10"),
     ],
 )
-def test_a_scene_that_is_not_the_case(reference: str, sets: tuple[str, ...], message: str) -> None:
+def test_a_scene_that_the_closed_form_does_not_describe(
+    reference: str, sets: tuple[str, ...], message: str
+) -> None:
     with pytest.raises(ReferenceMismatch, match=message):
         closed_form_references.check_applicable(cantilever(*sets, f"reference={reference}"))

@@ -59,7 +59,7 @@ KNOWS: dict[str, set[str]] = {
 """Every room from the ground up, and the rooms that it may import beside itself."""
 
 HOMES: dict[str, tuple[str, ...]] = {
-    "csv": ("analysis.study_report",),
+    "csv": ("analysis.study_export",),
     "imageio_ffmpeg": ("picture.film",),
     "jsonschema": ("document.schemas", "document.schema_errors", "document.validate"),
     "matplotlib": ("picture.",),
