@@ -12,7 +12,8 @@ The rooms of the code, each of which knows only those before it (`make map` draw
 
 - `problems`: what is wrong with a file, and the errors a user can put right.
 - `arrays`: array types, and an inverse for small matrices.
-- `files`: reads and writes files, whole or not at all.
+- `files`: reads files.
+- `output_files`: writes files, whole or not at all.
 - `packages`: folders that `package://` paths name.
 - `terminal`: everything that is printed on standard error.
 - `document/`: a file as it was written, each value with its line and column.

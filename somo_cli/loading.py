@@ -1,4 +1,4 @@
-"""From a path to a document with everything in it, judged: what every command does first."""
+"""Loads a file and the files that it names, checks it, and makes the scene to run."""
 
 from __future__ import annotations
 
@@ -38,11 +38,11 @@ def load(
     allow_outside: bool = False,
     packages: Packages | None = None,
 ) -> Document:
-    """Read a definition or scene, put in the files it names, and override values.
+    """Return a definition or scene with the files that it names, its values overridden by `sets`.
 
-    Files lie in the folder of the one that names them, or below, unless `allow_outside`, or in
-    the folders of `packages`, where package:// and model:// names lead. Raises
-    OSError, and InvalidFile with every fault of the whole if a file cannot be put in.
+    Files must lie in the folder of the file that names them, or below, unless `allow_outside`.
+    Names that start with package:// or model:// lie in the folders of `packages`. Raises OSError,
+    and InvalidFile with all problems of the document if a file cannot be included.
     """
     return load_text(files.read_text(path), path, sets, allow_outside, packages)
 
@@ -54,7 +54,7 @@ def load_text(
     allow_outside: bool = False,
     packages: Packages | None = None,
 ) -> Document:
-    """Do as `load` does with the text of a file; other files are relative to `source`."""
+    """Return what `load` does, from a text; the files that it names are relative to `source`."""
     document = _with_parts(parse(text, source), allow_outside, packages or {})
     for assignment in sets:
         document = _with_parts(override(document, assignment), allow_outside, packages or {})
@@ -73,9 +73,9 @@ def check(document: Document) -> tuple[Problem, ...]:
 
 
 def check_with_overlaps(document: Document) -> tuple[Problem, ...]:
-    """Return what `check` does, in reading order, and where a sound scene's parts overlap.
+    """Return what `check` does and, for a scene without errors, the overlaps at its start.
 
-    The engine finds overlaps; without an engine none are reported.
+    All are in reading order. The engine finds overlaps; without an engine none are reported.
     """
     if not scene_model.is_scene(document) or sorotraj_checks.is_trajectory(document):
         return check(document)
@@ -106,7 +106,7 @@ def refuse_scene(document: Document) -> None:
 
 
 def refuse_multiple(document: Document, found: scene_model.Scene, what_is: str) -> None:
-    """Raise InvalidFile for a scene of more than one manipulator, where `what_is` about one."""
+    """Raise InvalidFile for a scene of several manipulators; `what_is` ("a fit is") about one."""
     if len(found.manipulators) > 1:
         place = document.span(("manipulators", 1))
         message = f"there are several manipulators, and {what_is} about one"
@@ -117,7 +117,7 @@ def refuse_multiple(document: Document, found: scene_model.Scene, what_is: str) 
 
 
 def refuse_assembly(document: Document, what_is: str, at: Pointer = ()) -> None:
-    """Raise InvalidFile for an assembly at a pointer, and `what_is` about one manipulator."""
+    """Raise InvalidFile for an assembly at a pointer; `what_is` ("a fit is") about one limb."""
     if is_assembly(document.at(at)):
         place = document.span((*at, "limbs"), key=True)
         message = f"this is an assembly, and {what_is} about one manipulator"
@@ -139,8 +139,8 @@ def scene_of(
 ) -> tuple[Scene, tuple[Problem, ...]]:
     """Return the scene of a document and the warnings about it; raise InvalidFile for errors.
 
-    A definition becomes the scene of that one manipulator. `every` and `time_step` [s] take the
-    place of what the scene says. A time step that is left to us is the recommended one.
+    A definition becomes the scene of that one manipulator. `every` (steps between two rows) and
+    `time_step` [s] replace what the scene says; for "auto" the recommended time step is taken.
     """
     refuse_trajectory(document)
     if not scene_model.is_scene(document):
@@ -162,24 +162,24 @@ def scene_of(
 
 
 def refuse_overlaps(document: Document, found: Scene) -> None:
-    """Raise InvalidFile for a scene of which parts start inside each other."""
-    faults = overlaps(document, found)
-    if faults:
-        raise InvalidFile(faults, document.texts)
+    """Raise InvalidFile for a scene whose parts overlap at the start."""
+    problems = overlaps(document, found)
+    if problems:
+        raise InvalidFile(problems, document.texts)
 
 
 def overlaps(document: Document, found: Scene | None = None) -> tuple[Problem, ...]:
-    """Return the errors of a scene without others, in which parts start inside each other.
+    """Return an error for each pair of parts that overlap at the start of a scene.
 
-    `found` is what the document means, if that is known. What cannot be told is none: of a
-    definition, or where there is no engine to ask.
+    The scene has no other errors; `found` is the scene, if it has been read already. There are none
+    for a definition, and none without an engine.
     """
     if not scene_model.is_scene(document):
         return ()
     found = found or scene_model.read_scene(document)
     if not proximity.can_overlap_at_start(found):
         return ()
-    # the engine is the judge, since it decides what pushes what; most scenes need not ask it
+    # the engine's own contact detection decides what a run would push apart; few scenes need it
     from somo_cli.scene.checks import overlap as overlap_checks
     from somo_cli.simulation.engine.bullet.world import BulletWorld
     from somo_cli.simulation.plan.build import make_plan
@@ -189,35 +189,35 @@ def overlaps(document: Document, found: Scene | None = None) -> tuple[Problem, .
         with BulletWorld(plan) as world:
             depths = world.depths()
     except (EngineMissing, EngineRefused):
-        return ()  # a run says so
+        return ()  # reported when the scene is run
     lengths = {pair: depth / plan.scale.length for pair, depth in depths.items()}
     return tuple(overlap_checks.overlap_problems(document, found, lengths))
 
 
 def _with_chosen_step(found: Scene, document: Document) -> Scene:
-    # numpy and more, which few scenes need before they run
+    # slow to import, and few scenes need it before they run
     from somo_cli.analysis.modes import SingularInertia
     from somo_cli.analysis.stability import recommended_step
     from somo_cli.simulation.plan.build import make_plan
 
     try:
-        step, error = recommended_step(make_plan(found))
-    except SingularInertia as fault:
+        step, tip_error = recommended_step(make_plan(found))
+    except SingularInertia as error:
         place = document.span(("time_step",))
-        message = f"no time step can be chosen: {fault}"
-        raise InvalidFile([Problem(place, message, "give a time_step")], document.texts) from fault
-    return dataclasses.replace(found, time_step=step, expected_tip_error=error)
+        message = f"no time step can be chosen: {error}"
+        raise InvalidFile([Problem(place, message, "give a time_step")], document.texts) from error
+    return dataclasses.replace(found, time_step=step, expected_tip_error=tip_error)
 
 
 def _convex_pieces(text: str, source: str) -> str | None:
-    # the engine, which few scenes need before they run
+    # slow to import, and few scenes need it before they run
     from somo_cli.scene.mesh import MeshError, triangles_as_obj
     from somo_cli.simulation.engine.bullet.convex_decomposition import convex_pieces
 
     try:
         return convex_pieces(triangles_as_obj(text, source))
     except MeshError:
-        return None  # what is wrong with the mesh is told where it is checked
+        return None  # the checks of meshes report it
 
 
 def _with_parts(document: Document, allow_outside: bool, packages: Packages) -> Document:

@@ -1,4 +1,4 @@
-"""Names of ROS packages and Gazebo models to folders: package://NAME/path, model://NAME/path."""
+"""Finds files of ROS packages and Gazebo models: package://NAME/path, model://NAME/path."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _REFERENCE = re.compile(r"(?:package|model)://([^/]+)/(.+)")
 
 
 def read_packages(options: Sequence[str]) -> dict[str, str]:
-    """Return the folder of each name of NAME=FOLDER texts. Raises ValueError for other texts."""
+    """Return the folder of each name in NAME=FOLDER texts. Raises ValueError for other texts."""
     found: dict[str, str] = {}
     for option in options:
         name, _, folder = option.partition("=")
@@ -39,9 +39,10 @@ def read_packages(options: Sequence[str]) -> dict[str, str]:
 def open_reference(
     packages: Packages, naming_source: str, reference: str, **options: Any
 ) -> tuple[str, str]:
-    """Read a file that another names, as `files.open_reference` does, or one in a package.
+    """Return source and text of a file that another names, as `files.open_reference` does.
 
-    A file of a package may name any other file of that package. Raises what that does.
+    The file may also lie in a package. Files of a package may name any file of that package.
+    Raises what `files.open_reference` raises, with the same options.
     """
     parts = _REFERENCE.fullmatch(reference)
     if parts:

@@ -1,4 +1,4 @@
-"""What a person sees on standard error: problems with their source lines, and progress."""
+"""What is printed on standard error: problems with their source lines, messages and progress."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _MAX_PROBLEMS = 500  # problems
 _STYLES = {"error": "bold red", "warning": "bold yellow", "info": "bold blue"}
 _REDRAW_INTERVAL = 0.1  # between two drawings of the progress bar [s]
 
-# GitHub runs such lines as commands, after stripping blanks.
+# GitHub's log viewer would run such lines as commands, blanks in front or not
 _COMMAND = re.compile(r"^\s*(?P<double>:)(?=:)|(?P<hash>#)(?=#\[)")
 
 
@@ -49,10 +49,7 @@ def print_lines(lines: Iterable[str]) -> None:
 
 @contextmanager
 def progress(total: int, description: str) -> Iterator[Callable[[int], None]]:
-    """Show how much of the total is done, on a terminal; elsewhere do nothing.
-
-    The callable given takes the number done so far.
-    """
+    """Show a progress bar on a terminal; yield the function that takes the number done so far."""
     if not _is_terminal() or os.environ.get("TERM") == "dumb":
         yield _ignore
         return
@@ -76,7 +73,7 @@ def progress(total: int, description: str) -> Iterator[Callable[[int], None]]:
         def advance(done: int) -> None:
             nonlocal drawn
             now = time.monotonic()
-            # A step of a simulation is shorter than an update of the bar.
+            # drawing the bar takes longer than a step of a simulation
             if now - drawn >= _REDRAW_INTERVAL or done >= total:
                 drawn = now
                 bar.update(task, completed=done)
@@ -102,8 +99,10 @@ def _report(problem: Problem, source: Sequence[str]) -> list[tuple[str, str]]:
 
 
 def _excerpt(line: str, column: int, width: int) -> tuple[str, str]:
-    # The line around a column, and the carets under it. A line may be a megabyte long, so it is
-    # cut roughly before it is measured.
+    """Return the part of a line around a column, and the carets under it.
+
+    A line may be a megabyte long, so it is cut roughly before its width is measured.
+    """
     start = max(0, column - _MAX_COLUMNS)
     cells = _cells(line[start : column + _MAX_COLUMNS + 1])
     widths = [_width(cell) for cell in cells]
@@ -143,7 +142,7 @@ def _escaped(text: str) -> str:
 
 
 def _cells(line: str) -> list[str]:
-    # What is shown for each character.
+    """Return what is shown for each character of a line."""
     cells = [" " if c == "\t" else c if c.isprintable() else _escape(c) for c in line]
     for match in _COMMAND.finditer(line):
         index = match.start(match.lastgroup or 0)
@@ -156,7 +155,7 @@ def _escape(character: str) -> str:
 
 
 def _width(cell: str) -> int:
-    # In columns of a terminal.
+    """Return the width of a cell in columns of a terminal."""
     if len(cell) > 1:
         return len(cell)
     if unicodedata.combining(cell):
@@ -173,7 +172,7 @@ def _is_colourless() -> bool:
 
 
 def _write(lines: Iterable[tuple[str, str]]) -> None:
-    # Saying what went wrong must not go wrong itself.
+    # an error in reporting an error would hide it
     if sys.stderr is None or sys.stderr.closed:
         return
     with suppress(OSError):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from os import PathLike, fspath
 from typing import Any
 
-from somo_cli import files
+from somo_cli import output_files
 from somo_cli.arrays import Array
 from somo_cli.simulation.recording.csv_writer import CsvWriter
 
@@ -53,7 +53,7 @@ class Result:
         CsvWriter(stream, self.names).write(self.values)
         text = stream.getvalue()
         if path is not None:
-            files.write_atomically(fspath(path), text)
+            output_files.write_atomically(fspath(path), text)
         return text
 
     def to_pandas(self) -> Any:

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from somo_cli import files, terminal
+from somo_cli import output_files, terminal
 from somo_cli.cli.application import (
     EXIT_CODES,
     QuietOption,
@@ -82,10 +82,10 @@ def build(
     name = compiled.definition.urdf_filename or f"{Path(definition).stem}.urdf"
     refuse_overwriting(document, output or name)
     if output == "-":
-        with files.open_partial("-") as stream:
+        with output_files.open_partial("-") as stream:
             stream.write(text)
         return
-    files.write_atomically(output or name, text)
+    output_files.write_atomically(output or name, text)
     if not quiet:
         terminal.print_message(f"{output or name}: {compiled.described(wanted)}")
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from somo_cli import files, terminal
+from somo_cli import output_files, terminal
 from somo_cli.cli.application import require
 
 if TYPE_CHECKING:
@@ -32,10 +32,12 @@ def write_result(
             (source, *others) = dict.fromkeys(document.span(place[:-1]).source for place in values)
             require(not others, "--write", f"the values are in {source} and other files: --patch")
             written = _patched(document, source, values, beside)
-        files.write_atomically(write, written)
+        output_files.write_atomically(write, written)
         terminal.print_message(f"{write}: written")
     if patch is not None and document is not None:
-        files.write_atomically(patch, _patched(document, _source(document, patch), values, beside))
+        output_files.write_atomically(
+            patch, _patched(document, _source(document, patch), values, beside)
+        )
         terminal.print_message(f"{patch}: patched")
 
 

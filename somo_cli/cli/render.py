@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from somo_cli import files, terminal
+from somo_cli import output_files, terminal
 from somo_cli.cli import render_source
 from somo_cli.cli.application import (
     EXIT_CODES,
@@ -139,7 +139,7 @@ def render(
     timing.refuse_misuse(is_csv)
     if timing.is_film:
         _require_encoder(timing)
-    files.refuse_unwritable(written)
+    output_files.refuse_unwritable(written)
     if is_csv:
         document, recording = render_source.recorded(source, scene, sets or [], access)
         refuse_overwriting(document, written)
@@ -149,7 +149,7 @@ def render(
         refuse_overwriting(document, written)
         recording, times = _simulated(document, found, timing)
     drawn = _pictures(recording, times, look)
-    files.write_atomically(written, _encoded(drawn, look, timing, kind))
+    output_files.write_atomically(written, _encoded(drawn, look, timing, kind))
     if not quiet:
         terminal.print_message(f"{written}: {_summary(recording, times, look, timing)}")
 

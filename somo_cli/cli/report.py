@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from somo_cli import files, terminal
+from somo_cli import output_files, terminal
 from somo_cli.cli.application import (
     EXIT_CODES,
     OutsideOption,
@@ -114,10 +114,10 @@ def report(
     pictures = _pictures(study, Path(scene).stem)
     folder.mkdir(parents=True, exist_ok=True)
     about = {**provenance(document.texts, sets or []), **study_export.plain_data(study, target)}
-    files.write_atomically(str(folder / "report.json"), json.dumps(about, indent=2) + "\n")
-    files.write_atomically(str(folder / "report.csv"), study_export.csv_text(study))
+    output_files.write_atomically(str(folder / "report.json"), json.dumps(about, indent=2) + "\n")
+    output_files.write_atomically(str(folder / "report.csv"), study_export.csv_text(study))
     for kind, picture in pictures.items():
-        files.write_atomically(str(folder / f"report.{kind}"), picture)
+        output_files.write_atomically(str(folder / f"report.{kind}"), picture)
     typer.echo(study_report.table(study))
     typer.echo("")
     for remark in study_report.remarks(study, target):

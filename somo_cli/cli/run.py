@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from somo_cli import files, terminal
+from somo_cli import files, output_files, terminal
 from somo_cli.cli import run_report
 from somo_cli.cli.application import (
     EXIT_CODES,
@@ -170,8 +170,10 @@ def _simulate(
                 about["error"] = run_report.plain_estimate(estimate, names[1:])
             except SimulationDiverged as error:
                 about["error"], failure = None, error
-    if output != "-" and not files.is_direct(output):
-        files.write_atomically(beside(output, "meta.json"), json.dumps(about, indent=2) + "\n")
+    if output != "-" and not output_files.is_direct(output):
+        output_files.write_atomically(
+            beside(output, "meta.json"), json.dumps(about, indent=2) + "\n"
+        )
     if not quiet:
         terminal.print_lines(run_report.summary_lines(prepared, summary, targets, events))
     warning = run_report.penetration_warning(prepared, summary)
@@ -198,8 +200,10 @@ def _recorded(
     try:
         # the outputs come first: from then on standard output is taken from the engine
         with (
-            files.open_partial(output) as stream,
-            nullcontext() if of_events is None else files.open_partial(of_events) as event_stream,
+            output_files.open_partial(output) as stream,
+            nullcontext()
+            if of_events is None
+            else output_files.open_partial(of_events) as event_stream,
             stdout_to_stderr(),
             runs.OpenRun(prepared.plan) as opened,
             terminal.progress(steps, "simulating") as advance,

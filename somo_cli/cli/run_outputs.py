@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import typer
 
-from somo_cli import files
+from somo_cli import output_files
 from somo_cli.cli.application import require
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ def target_of_events(scene: Scene, output: str, events: str | None) -> str | Non
     """Return where events go: beside the output unless told; nowhere if nobody asks for them."""
     if events is None and scene.has_contact_events:
         message = "the scene records events, and there is no file to put them beside: name one"
-        require(output != "-" and not files.is_direct(output), "--events", message)
+        require(output != "-" and not output_files.is_direct(output), "--events", message)
         return beside(output, "events.csv")
     if events is not None:
         from somo_cli.scene.checks.recording import AMBIGUOUS_GROUND, is_ground_name_ambiguous

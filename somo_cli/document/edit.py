@@ -1,4 +1,4 @@
-"""Documents put into documents: whole files at a place, single values from the command line."""
+"""Changed documents: whole files put into a document, and single values that `--set` overrides."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 
 from somo_cli.document.parse import Document, parse
-from somo_cli.problems import InvalidFile, Pointer, Problem, Span, did_you_mean
+from somo_cli.problems import InvalidFile, Pointer, Problem, Span, did_you_mean, pointer_text
 
 _STEP = re.compile(r"(?P<dot>\.?)(?P<name>[^.\[\]=\s'\"]+)|\[(?P<index>[0-9]{1,9})\]")
 _NOT_SET = "'{}' does not say what to set"
@@ -25,10 +25,10 @@ def embed_all(document: Document, parts: Mapping[Pointer, Document]) -> Document
 
 
 def override(document: Document, assignment: str) -> Document:
-    """Set one value as `PATH=VALUE` says, such as `links[0].mass=0.1`; the value is YAML.
+    """Return the document with one value set by `PATH=VALUE`, such as `links[0].mass=0.1`.
 
-    The last name may be a new key of an existing mapping. The spans of the value lie in the
-    text of the assignment, under the source `--set 'PATH'`. Raises InvalidFile.
+    The value is YAML. The last name of the path may be a new key of an existing mapping. The spans
+    of the value lie in the assignment, whose source is called `--set 'PATH'`. Raises InvalidFile.
     """
     path, equals, value = assignment.partition("=")
     source = f"--set '{path}'"
@@ -52,7 +52,7 @@ def _steps(path: str, source: str) -> list[tuple[str | int, Span]]:
     end = 0
     while end < len(path) or not steps:
         match = _STEP.match(path, end)
-        # A dot stands before every name but the first.
+        # a dot precedes every name but the first
         if not match or (match["name"] and bool(match["dot"]) != bool(steps)):
             raise _refusal(Span(source, 1, end + 1), f"'{path}' is not a path", _EXAMPLE)
         start, end = match.start("name" if match["name"] else 0), match.end()
@@ -71,10 +71,10 @@ def _existing(document: Document, steps: Sequence[tuple[str | int, Span]]) -> Po
     here = document.data
     for number, (step, span) in enumerate(steps, start=1):
         if isinstance(step, int):
-            here = _item_at(here, step, span, _written(pointer))
+            here = _item_at(here, step, span, pointer_text(pointer))
         else:
             may_be_new = number == len(steps)
-            here = _value_at(here, step, span, _written(pointer), may_be_new)
+            here = _value_at(here, step, span, pointer_text(pointer), may_be_new)
         pointer = (*pointer, step)
     return pointer
 
@@ -109,7 +109,7 @@ def _value(value: str, column: int, source: str) -> Document:
         raise _refusal(span, _NO_VALUE, "null stands for nothing")
     if value.lstrip().startswith("#"):
         raise _refusal(span, _NO_VALUE, "quote a value that starts with '#'")
-    # The blanks put every position of the value where it stands in the assignment.
+    # blanks in place of the path keep the positions of the assignment
     part = parse(" " * column + value, source)
     if not isinstance(part.data, dict | list):
         return part
@@ -145,7 +145,10 @@ def _replace(
 def _with(
     value: object, pointer: Pointer, new: object, done: Pointer, copied: set[Pointer]
 ) -> object:
-    # Copies the collections on the way, each only once however many places lie below it.
+    """Return a value with `new` at a pointer below it; `done` is the pointer to the value itself.
+
+    Mappings and lists on the way are copied, those in `copied` have been already. Raises KeyError.
+    """
     if not pointer:
         return new
     step, rest = pointer[0], pointer[1:]
@@ -163,13 +166,6 @@ def _with(
         value[step] = _with(value[step], rest, new, way, copied)
         return value
     raise KeyError(way)
-
-
-def _written(pointer: Pointer) -> str:
-    if not pointer:
-        return "the file"
-    steps = (f"[{step}]" if isinstance(step, int) else f".{step}" for step in pointer)
-    return "'" + "".join(steps).removeprefix(".") + "'"
 
 
 def _known_keys_hint(name: str, known: Mapping[str, object]) -> str:

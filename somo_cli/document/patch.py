@@ -1,4 +1,4 @@
-"""Numbers set in a text as it was written: comments, order and layout stay, byte for byte."""
+"""Sets numbers in a text and leaves every other byte as it is: comments, order, layout."""
 
 from __future__ import annotations
 
@@ -18,9 +18,8 @@ from somo_cli.document.text_edit import (
     aliases_of,
     edit_of,
     json_number,
-    pointer_text,
 )
-from somo_cli.problems import LINE_BREAK, InvalidFile, Pointer, Problem
+from somo_cli.problems import LINE_BREAK, InvalidFile, Pointer, Problem, pointer_text
 
 _Numbers: TypeAlias = Mapping[Pointer, Number]
 
@@ -143,7 +142,7 @@ def _place(document: Document, file: SourceText, pointer: Pointer, every: _Numbe
 
 
 def _applied(text: str, changes: Iterable[_Change]) -> str:
-    # A shared value is set once, however many pointers lead to it.
+    """Return the text after the edits; an edit that several changes share is made once."""
     unique = dict.fromkeys(edit for change in changes for edit in change.edits)
     pieces, end = [], 0
     for edit in sorted(unique, key=lambda edit: (edit.start, edit.adds)):
@@ -165,7 +164,7 @@ def _reads_as_wanted(file: SourceText, changes: Collection[_Change]) -> bool:
             for step in ("", *place)[:-1]:
                 holder = holder[step]
             holder[("", *place)[-1]] = number
-    # In JSON 1, 1.0 and true are three objects, which == does not tell apart.
+    # 1 == 1.0 == True in Python, but not in JSON
     return json.dumps(found, sort_keys=True) == json.dumps(wanted[""], sort_keys=True)
 
 

@@ -1,4 +1,4 @@
-"""Where in a text a number goes: over the one that is there, or as a new key of a mapping."""
+"""Edits of a text that set one number: in place of a value, or as a new key of a mapping."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from itertools import pairwise
 from typing import Any, TypeAlias
 
 from somo_cli.document.parse import Document, parse
-from somo_cli.problems import LINE_BREAK, InvalidFile, Pointer
+from somo_cli.problems import LINE_BREAK, InvalidFile, Pointer, pointer_text
 
 Number: TypeAlias = float | tuple[float, ...]
 
@@ -25,22 +25,23 @@ _LINE_IS_OVER = re.compile(r"[ \t]*,?[ \t]*[\r\n]")
 
 
 class EditRefused(Exception):
-    """Why one value cannot be set."""
+    """One value cannot be set; the message says why."""
 
 
 @dataclass(frozen=True, slots=True)
 class Edit:
-    """A piece of text in place of another."""
+    """The characters from `start` to `stop` of a text, replaced by `new`."""
 
     start: int
     stop: int
     new: str
-    adds: bool = False  # a key; it comes after a value that is set at the same place
+    adds: bool = False
+    """Whether it adds a key; it then follows an edit of a value at the same place."""
 
 
 @dataclass(frozen=True, slots=True)
 class SourceText:
-    """The text of one source, what it reads as by itself, and where its lines start and it ends."""
+    """A text, the document in it, and the indices where its lines start, then where it ends."""
 
     text: str
     part: Document
@@ -52,7 +53,7 @@ class SourceText:
         return self.lines[span.line - 1] + span.column - 1
 
     def inside(self, pointer: Pointer) -> list[Pointer]:
-        """Return the pointers to the value and to all in it."""
+        """Return the pointers to a value and to all values in it."""
         return [each for each in self.part.spans if each[: len(pointer)] == pointer]
 
 
@@ -91,7 +92,7 @@ def _is_empty(file: SourceText, place: Pointer) -> bool:
 
 
 def _end(file: SourceText, place: Pointer) -> int:
-    # Where a scalar on one line ends, or the colon before one that is empty.
+    """Return the index where a one-line scalar ends; if it is empty, where its colon does."""
     stop = file.start(place) + file.part.span(place).width
     colon = _COLON.match(file.text, stop) if _is_empty(file, place) else None
     return colon.end() if colon else stop
@@ -102,7 +103,7 @@ def _addition(file: SourceText, place: Pointer, number: Number, after: Mapping[s
     mapping: Any = file.part.at(holder)
     opening = file.start(holder)
     keys = {key: file.start((*holder, key), key=True) for key in mapping}
-    # What came by a merge key is written above.
+    # keys from a merge key are written above
     keys = {key: start for key, start in keys.items() if start >= opening}
     if not keys and not _BRACES.match(file.text, opening):
         raise EditRefused("no key of its mapping is written there")
@@ -121,14 +122,14 @@ def _addition(file: SourceText, place: Pointer, number: Number, after: Mapping[s
 
 
 def _merging_mappings(part: Document, holder: Pointer, key: str) -> list[Pointer]:
-    # The other mappings that have the key from this one, but are not the same by an alias.
+    """Return the other mappings that have a key of the holder by a merge key, not by an alias."""
     place = (*holder, key)
     found = [p[:-1] for p in aliases_of(part, place) if part.spans[p] == part.spans[place]]
     return [heir for heir in found if part.spans[heir][1] != part.spans[holder][1]]
 
 
 def _after_in_block(file: SourceText, sibling: Pointer, entry: str) -> Edit:
-    # A line of its own, under the last one that belongs to the sibling.
+    """Return the edit that adds a line under the last one of the sibling."""
     key = file.part.span(sibling, key=True)
     indent = key.column - 1
     last = max(key.line, *(file.part.span(each).line for each in file.inside(sibling)))
@@ -138,7 +139,7 @@ def _after_in_block(file: SourceText, sibling: Pointer, entry: str) -> Edit:
         if number <= last or not rest.strip():
             continue
         deeper = len(line) - len(rest) - indent
-        # The items of a list may stand as far left as its key, a bracket anywhere.
+        # list items may be indented like their key, closing brackets in any way
         if rest[0] not in "]}" and deeper < (not _ITEM.match(rest)):
             break
         last = number
@@ -156,7 +157,7 @@ def _line_break(file: SourceText, pointer: Pointer) -> str:
 
 
 def _after_in_flow(file: SourceText, sibling: Pointer, entry: str) -> Edit:
-    # Behind the value of the sibling; on a line of its own if the sibling has one.
+    """Return the edit that adds an entry behind the sibling, on its own line if that has one."""
     key = file.start(sibling, key=True)
     last = max(file.inside(sibling), key=file.start)
     if file.start(last) < key:
@@ -175,19 +176,13 @@ def _after_in_flow(file: SourceText, sibling: Pointer, entry: str) -> Edit:
 
 
 def aliases_of(document: Document, pointer: Pointer) -> list[Pointer]:
-    """Return the pointers to other values that are written where this one is."""
-    # A collection may start where its first key does, and is no other value for that.
+    """Return the pointers to the other values with the position of this one."""
+    # a mapping may have the position of its first key: that is not an alias
     pair = document.spans.get(pointer)
     others = [p for p, other in document.spans.items() if pair and other[1] == pair[1]]
     return [p for p in others if p[: len(pointer)] != pointer and pointer[: len(p)] != p]
 
 
-def pointer_text(pointer: Pointer) -> str:
-    """Return a pointer as a person writes it."""
-    steps = (f"[{step}]" if isinstance(step, int) else f".{step}" for step in pointer)
-    return "'" + "".join(steps).removeprefix(".") + "'" if pointer else "the file"
-
-
 def json_number(number: Number) -> str:
-    """Return a number as JSON, which our YAML reads as the same float."""
+    """Return a number as JSON, from which YAML 1.2 reads the same float."""
     return json.dumps(number)

@@ -18,6 +18,7 @@ KNOWS: dict[str, set[str]] = {
     "problems": set(),
     "arrays": set(),
     "files": {"", "problems"},
+    "output_files": set(),
     "packages": {"", "problems", "files"},
     "terminal": {"", "problems"},
     "document": {"", "problems"},
@@ -38,7 +39,15 @@ KNOWS: dict[str, set[str]] = {
     "loading": _RUN
     | {"document", "scene.checks", "simulation.engine.bullet", "analysis", "files", "packages"},
     "api": _RUN
-    | {"document", "scene.checks", "simulation.engine.bullet", "analysis", "files", "loading"},
+    | {
+        "document",
+        "scene.checks",
+        "simulation.engine.bullet",
+        "analysis",
+        "files",
+        "output_files",
+        "loading",
+    },
     "cli": _RUN
     | {
         "api",
@@ -50,6 +59,7 @@ KNOWS: dict[str, set[str]] = {
         "picture",
         "terminal",
         "files",
+        "output_files",
         "packages",
         "loading",
     },
