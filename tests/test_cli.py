@@ -70,7 +70,7 @@ def test_version(somo: Somo) -> None:
 
 
 @pytest.mark.parametrize("command", [(), *((command,) for command in COMMANDS)])
-def test_every_help_tells_the_exit_codes(somo: Somo, command: tuple[str, ...]) -> None:
+def test_every_help_lists_the_exit_codes(somo: Somo, command: tuple[str, ...]) -> None:
     ended = somo(*command, "--help")
     assert (ended.returncode, ended.stderr) == (0, "")
     for code in ("0 done", "1 a check", "2 wrong usage", "3 the", "4 the", "5 a file", "130"):
@@ -144,7 +144,7 @@ def test_no_colour_goes_into_a_pipe(
 # --- check
 
 
-def test_check_says_what_is_wrong_with_each_file_and_goes_on(somo: Somo, here: Path) -> None:
+def test_check_reports_all_problems_of_all_files(somo: Somo, here: Path) -> None:
     (here / "wrong.yaml").write_text("manipulator_name: my arm\nactuator_definitions: []\n")
     (here / "broken.yaml").write_text("a: b: c\n")
     ended = somo("check", "smallest.yaml", "wrong.yaml", "broken.yaml", "tips.yaml", "wrong.yaml")
@@ -544,7 +544,7 @@ def test_an_interrupted_run_keeps_its_rows(start: Start, here: Path) -> None:
     assert len({line.count(",") for line in text.splitlines()}) == 1
 
 
-def test_a_diverged_run_tells_where_and_keeps_its_rows(somo: Somo, here: Path) -> None:
+def test_a_diverged_run_reports_where_and_keeps_its_rows(somo: Somo, here: Path) -> None:
     (here / "x.csv").write_text("old")
     ended = somo("run", "diverging.yaml", "--steps", "10000", "-o", "x.csv")
     plain(ended)

@@ -47,7 +47,7 @@ def test_keeping_everything_changes_no_byte(somo: Somo, here: Path, scene: str) 
 
 
 @pytest.mark.moderate
-def test_what_is_kept_when_asked_for_is_told_as_kept(somo: Somo, here: Path) -> None:
+def test_what_is_kept_on_request_is_reported_as_kept(somo: Somo, here: Path) -> None:
     command = ("run", "scene.yaml", "--steps", "1", "--explain", "--keep-everything", "-q")
     ended = somo(*command, cwd=here)
     assert "kept      motor rows of joints: asked for, though no dry friction\n" in ended.stderr
@@ -71,7 +71,7 @@ def test_check_prints_the_plan(somo: Somo, here: Path) -> None:
     assert found["plan"][0]["kept"] is True
 
 
-def test_what_is_wrong_is_said_in_place_of_a_plan(somo: Somo, here: Path) -> None:
+def test_errors_are_reported_instead_of_a_plan(somo: Somo, here: Path) -> None:
     (here / "bad.yaml").write_text("manipulators: []\n", "utf-8")
     ended = somo("check", "bad.yaml", "--plan", cwd=here)
     assert ended.returncode == 1

@@ -102,7 +102,7 @@ def test_events_beside_the_rows(somo: Somo, here: Path) -> None:
 
 @pytest.mark.moderate
 @pytest.mark.parametrize("option", [("--events", "e.csv"), ("--record", "*.contact.*")])
-def test_the_ground_is_not_told_from_an_object_of_its_name(
+def test_the_ground_is_ambiguous_beside_an_object_of_its_name(
     somo: Somo, here: Path, option: tuple[str, str]
 ) -> None:
     named = ("--set", "objects[0].name=ground")

@@ -35,7 +35,7 @@ def left(folder: Path) -> set[str]:
 
 
 @pytest.mark.moderate
-def test_a_scene_is_drawn_as_it_starts_unless_told_when(somo: Somo, here: Path) -> None:
+def test_a_scene_is_drawn_at_its_start_unless_a_time_is_given(somo: Somo, here: Path) -> None:
     ended = somo("render", "definitions/lift_scene.yaml", *SMALL)
     assert (ended.returncode, ended.stdout) == (0, "")
     assert ended.stderr == "lift_scene.png: 160 x 120 pixels, at 0 s, squares of 0.02 m\n"
@@ -89,7 +89,7 @@ def test_what_overrode_the_scene_of_a_recording_overrides_it_again(somo: Somo, h
 
 
 @pytest.mark.moderate
-def test_a_scene_that_has_changed_since_is_told(somo: Somo, here: Path) -> None:
+def test_a_scene_that_has_changed_since_gives_a_warning(somo: Somo, here: Path) -> None:
     somo("run", "definitions/scene.yaml", "--steps", "20", "-q", "-o", "rows.csv")
     finger = here / "definitions/finger.yaml"
     finger.write_text(finger.read_text("utf-8") + "# longer\n", "utf-8")
@@ -102,7 +102,9 @@ def test_a_scene_that_has_changed_since_is_told(somo: Somo, here: Path) -> None:
 
 
 @pytest.mark.moderate
-def test_columns_that_are_missing_are_told_and_how_to_have_them(somo: Somo, here: Path) -> None:
+def test_missing_columns_are_reported_with_the_options_that_record_them(
+    somo: Somo, here: Path
+) -> None:
     run = ("run", "definitions/turn_scene.yaml", "--steps", "40", "--every", "10", "-q")
     somo(*run, "-o", "rows.csv")
     ended = somo("render", "rows.csv", *SMALL)
@@ -119,7 +121,7 @@ def test_columns_that_are_missing_are_told_and_how_to_have_them(somo: Somo, here
 
 
 @pytest.mark.slow
-def test_a_recording_whose_scene_nobody_knows(somo: Somo, here: Path) -> None:
+def test_a_recording_whose_scene_is_unknown(somo: Somo, here: Path) -> None:
     somo("run", "definitions/scene.yaml", "--steps", "20", "-q", "-o", "rows.csv")
     (here / "rows.meta.json").unlink()
     ended = somo("render", "rows.csv", *SMALL)
@@ -172,7 +174,7 @@ WRONG = {
 @pytest.mark.parametrize(
     ("option", "given"), [(option, one) for option, own in WRONG.items() for one in own]
 )
-def test_wrong_usage_is_told_and_nothing_written(
+def test_wrong_usage_is_reported_and_nothing_written(
     somo: Somo, here: Path, fake_encoder: dict[str, str], option: str, given: tuple[str, ...]
 ) -> None:
     ended = somo("render", "definitions/scene.yaml", *given, env=fake_encoder)
@@ -204,7 +206,9 @@ def test_a_time_beyond_the_end_is_wrong_usage(somo: Somo, here: Path) -> None:
 
 
 @pytest.mark.moderate
-def test_an_output_that_cannot_be_written_is_told_before_the_work(somo: Somo, here: Path) -> None:
+def test_an_output_that_cannot_be_written_is_reported_before_the_work(
+    somo: Somo, here: Path
+) -> None:
     started = time.monotonic()
     ended = somo("render", "definitions/hand_scene.yaml", "--at", "1000", "-o", "none/a.png")
     assert (ended.returncode, ended.stderr) == (5, "somo: none/a.png: No such file or directory\n")

@@ -18,7 +18,7 @@ print(os.environ["OPENBLAS_NUM_THREADS"])
 
 
 @pytest.mark.parametrize(("told", "threads"), [({}, "1"), ({"OPENBLAS_NUM_THREADS": "2"}, "2")])
-def test_numpy_has_one_thread_unless_told_otherwise(
+def test_numpy_has_one_thread_unless_set_otherwise(
     environment: dict[str, str], told: dict[str, str], threads: str
 ) -> None:
     untold = {key: value for key, value in environment.items() if key != "OPENBLAS_NUM_THREADS"}

@@ -74,7 +74,7 @@ def test_somos_formula_makes_another_tip_stiffness() -> None:
     assert found == pytest.approx([1.87, 2.53], abs=0.01)
 
 
-def test_under_a_large_load_it_is_as_far_from_the_elastica_as_told() -> None:
+def test_under_a_large_load_it_is_as_far_from_the_elastica_as_reported() -> None:
     for row in itertools.islice(calibrated.large(), 3):
         assert row.error < 1e-9
 
@@ -159,7 +159,7 @@ def test_orders_and_lines() -> None:
 
 
 @pytest.mark.parametrize("step", [1e-2, 2e-3])
-def test_the_error_that_a_run_tells_is_within_a_factor_of_two(step: float) -> None:
+def test_the_error_that_a_run_reports_is_within_a_factor_of_two(step: float) -> None:
     rows = [
         estimates.of_hinge(integrator, step) for integrator in ("implicit", "euler", "explicit")
     ]
@@ -172,7 +172,7 @@ def test_the_error_that_a_run_tells_is_within_a_factor_of_two(step: float) -> No
 
 
 @pytest.mark.slow
-def test_what_is_moved_is_where_it_should_be() -> None:
+def test_prescribed_bodies_follow_their_motion() -> None:
     pytest.importorskip("pybullet")
     pytest.importorskip("mujoco")
     from tests.truth import led

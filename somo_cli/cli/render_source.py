@@ -51,7 +51,7 @@ def simulated(
     a run raises.
     """
     from somo_cli import loading
-    from somo_cli.picture.recorded_motion import RecordedMotion, drawn
+    from somo_cli.picture.recorded_motion import RecordedMotion, scene_to_draw
     from somo_cli.scene import columns
     from somo_cli.simulation.engine.bullet.c_stdio import stdout_to_stderr
     from somo_cli.simulation.engine.bullet.world import BulletWorld
@@ -60,7 +60,7 @@ def simulated(
 
     loading.refuse_overlaps(document, scene)
     between = max(steps, 1) if every is None else _steps_between(every / scene.time_step)
-    plan = make_plan(dataclasses.replace(drawn(scene), every=between))
+    plan = make_plan(dataclasses.replace(scene_to_draw(scene), every=between))
     plan = dataclasses.replace(plan, records_last_step=True)
     blocks: list[Array] = []
     with (

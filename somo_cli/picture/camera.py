@@ -1,4 +1,4 @@
-"""Where a picture is taken from, and how far away, so that everything wanted is in it."""
+"""Cameras: the direction of a view, and the position that frames given points."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from somo_cli.manipulator.geometry import Vector
 from somo_cli.picture.facets import Array
 
 HALF_ANGLE = math.radians(15)  # of the shorter side of the picture
-MARGIN = 1.08  # what is framed, with some air around it
-_NEAREST = 1e-3  # of the radius of what is framed: the least distance of the near plane
+MARGIN = 1.08  # extent of the picture over that of the framed points
+_NEAREST = 1e-3  # least distance of the near plane, over the radius of the framed points
 
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """From where to look: turned by `yaw` from the front, `pitch` above the horizon [rad].
+    """A direction of view: `yaw` from the front and `pitch` above the horizon [rad].
 
-    The front is seen along +y; a yaw of π/2 sees it from +x. Distance [m] and target [m] are those
-    that frame everything where they are None.
+    With a yaw of zero the camera looks along +y; with π/2 it looks from +x. `distance` [m] and
+    `target` [m] are None where the camera frames all points.
     """
 
     yaw: float
@@ -30,7 +30,7 @@ class View:
 
     @property
     def axes(self) -> Array:
-        """Right, up and forward as rows, in the world."""
+        """Right, up and forward as rows, shape (3, 3), in the world frame."""
         sy, cy = math.sin(self.yaw), math.cos(self.yaw)
         sp, cp = math.sin(self.pitch), math.cos(self.pitch)
         return np.array([[cy, sy, 0.0], [-sp * sy, sp * cy, cp], [-cp * sy, cp * cy, -sp]])
@@ -46,10 +46,10 @@ VIEWS = {
 
 @dataclass(frozen=True, slots=True)
 class Camera:
-    """An eye in the world [m], its axes as rows (right, up, forward), and what it sees.
+    """A camera at `eye` in the world [m], with its axes (right, up, forward) as rows.
 
-    `tangents` are those of half its angles, across and upward; `near` and `far` [m] bound what is
-    drawn, along its axis.
+    `tangents` are those of half the angles of view, across and upward; `near` and `far` [m] are the
+    clipping distances along its axis.
     """
 
     eye: Array
@@ -59,13 +59,13 @@ class Camera:
     far: float
 
     def rays(self, size: tuple[int, int], axes: Array | None = None) -> Array:
-        """Return for every pixel the way that is 1 along the camera's axis.
+        """Return the ray of every pixel, of length 1 along the axis of the camera.
 
-        Shape (3, width * height), row after row from above, in the world's axes or in others,
-        which are the rows of a matrix.
+        The shape is (3, width * height), the top row first. Rays are in the world frame, or in the
+        axes that are the rows of `axes`, shape (3, 3).
         """
         width, height = size
-        # TinyRenderer samples a pixel at its lower left corner, and tells rows from above
+        # TinyRenderer samples a pixel at its lower left corner; its first row is the top one
         x = (2 * np.arange(width) / width - 1) * self.tangents[0]
         y = (2 * np.arange(height - 1, -1, -1) / height - 1) * self.tangents[1]
         own = self.axes if axes is None else self.axes @ axes.T
@@ -75,7 +75,7 @@ class Camera:
 
 
 def framing(points: Array, view: View, size: tuple[int, int]) -> Camera:
-    """Return the nearest camera of a view that has all points, shape (n, 3), in its picture."""
+    """Return the nearest camera of a view that sees all points [m], shape (n, 3)."""
     width, height = size
     short = math.tan(HALF_ANGLE)
     tangents = (short * max(1.0, width / height), short * max(1.0, height / width))
@@ -90,15 +90,15 @@ def framing(points: Array, view: View, size: tuple[int, int]) -> Camera:
 
 
 def radius_of(points: Array) -> float:
-    """Return half the diagonal of the box around points, shape (n, 3)."""
+    """Return half the diagonal of the box around points [m], shape (n, 3)."""
     return max(0.5 * float(np.linalg.norm(np.ptp(points, axis=0))), 1e-9)
 
 
 def _eye(own: Array, view: View, axes: Array, tangents: tuple[float, float]) -> Array:
-    """Return the eye in its own axes, from points in these.
+    """Return the position of the camera, in its own axes as the points `own` are.
 
-    A point is in sight if |across| <= tangent * depth, for both directions: of all eyes for which
-    that holds the one that is furthest forward, and in the middle of what it may be sideways.
+    A point is visible if |across| <= tangent * depth in both directions. Of all positions that see
+    all points this is the one furthest forward, in the middle of its range sideways.
     """
     if view.target is not None:
         middle: Array = axes @ np.array(view.target)

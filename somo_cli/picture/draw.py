@@ -1,4 +1,4 @@
-"""Pictures of a recording at several times, one after the other, by one camera."""
+"""Pictures of a recorded motion at several times, from one camera."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from somo_cli.picture.shading import Ground, Shading, smoothed
 from somo_cli.picture.tiny_renderer import TinyRenderer
 from somo_cli.scene.model import Scene
 
-SMOOTHING = 2  # pixels across, of which one of the picture is made
-MOST_FRAMED = 400  # moments, evenly over all, that the camera is to have in sight
+SMOOTHING = 2  # rendered pixels across one pixel of the picture
+MAX_FRAMED_TIMES = 400  # evenly spaced times, for which the camera frames the scene
 
 
 @dataclass(frozen=True, slots=True)
 class PictureSettings:
-    """From where pictures are taken, and their size: width and height in pixels."""
+    """The view of pictures, and their size: width and height in pixels."""
 
     view: View
     size: tuple[int, int]
@@ -31,9 +31,9 @@ class PictureSettings:
 def pictures(
     motion: RecordedMotion, times: Sequence[float], settings: PictureSettings
 ) -> Iterator[Array]:
-    """Yield a picture for each time [s], shape (height, width, 3), bytes.
+    """Yield a picture for each time [s], unsigned bytes of shape (height, width, 3).
 
-    All that moves is framed at all these times. Raises EngineMissing.
+    The camera frames everything that moves, at all these times. Raises EngineMissing.
     """
     scene = motion.scene
     parts = parts_of(scene)
@@ -54,7 +54,7 @@ def pictures(
 
 
 def tile_edge(motion: RecordedMotion, times: Sequence[float]) -> float | None:
-    """Return the edge of the squares that the ground of such pictures has [m]; None without one."""
+    """Return the edge of the squares of the ground in such pictures [m]; None without a ground."""
     if motion.scene.ground is None:
         return None
     parts = parts_of(motion.scene)
@@ -74,10 +74,12 @@ def _framed_points_over_time(
 
 
 def _evenly(times: Sequence[float]) -> Sequence[float]:
-    if len(times) <= MOST_FRAMED:
+    if len(times) <= MAX_FRAMED_TIMES:
         return times
     last = len(times) - 1
-    return [times[round(number * last / (MOST_FRAMED - 1))] for number in range(MOST_FRAMED)]
+    return [
+        times[round(number * last / (MAX_FRAMED_TIMES - 1))] for number in range(MAX_FRAMED_TIMES)
+    ]
 
 
 def _ground(scene: Scene, points: Array, radius: float) -> Ground | None:

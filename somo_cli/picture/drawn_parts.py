@@ -1,4 +1,4 @@
-"""What there is to draw of a scene: its solids, and where they are at a configuration, in SI."""
+"""The solids of a scene that are drawn, and their poses in a configuration, in SI."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from somo_cli.scene.placement import with_heights
 
 @dataclass(frozen=True, slots=True)
 class Configuration:
-    """Where everything is: joint angles and base of each manipulator, pose of each object, SI."""
+    """Joint angles [rad] and base pose [m] of each manipulator, and the pose of each object [m]."""
 
     angles: tuple[Sequence[float], ...]
     bases: tuple[Pose, ...]
@@ -26,11 +26,11 @@ class Configuration:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A solid of a link of a body; bodies are manipulators and, behind them, objects.
+    """A solid of a link of a body; bodies are manipulators, followed by objects.
 
-    Facets are in the frame of the solid, `pose` is that frame in the link's, and `colour` red,
-    green and blue, 0 to 1. What is framed is what a picture of the scene must show. A box may have
-    a face in one plane with the end of what rounds a gap beside it, and is shown in front of it.
+    `facets` are in the frame of the solid, `pose` is that frame in the frame of the link, `colour`
+    is red, green and blue from 0 to 1. The camera frames the parts with `is_framed`. A box may have
+    a face coplanar with the end of a rounding beside it, and is then drawn in front of it.
     """
 
     body: int
@@ -43,7 +43,7 @@ class Part:
 
 
 def start_configuration(scene: Scene) -> Configuration:
-    """Return how a scene starts."""
+    """Return the configuration of a scene at its start."""
     return Configuration(
         tuple(one.initial_angles for one in scene.manipulators),
         tuple(one.pose for one in scene.manipulators),
@@ -52,10 +52,7 @@ def start_configuration(scene: Scene) -> Configuration:
 
 
 def parts_of(scene: Scene) -> tuple[Part, ...]:
-    """Return everything there is to draw, body after body; objects that are fixed are not framed.
-
-    The ground is none of it.
-    """
+    """Return all parts to draw but the ground, body by body; fixed objects are not framed."""
     found = [
         _part(number, link, shape, is_framed=True)
         for number, one in enumerate(scene.manipulators)
@@ -71,7 +68,7 @@ def parts_of(scene: Scene) -> tuple[Part, ...]:
 
 
 def poses_at(scene: Scene, parts: Sequence[Part], configuration: Configuration) -> tuple[Pose, ...]:
-    """Return the pose in the world of every part."""
+    """Return the pose of every part in the world [m]."""
     links = [
         link_poses(one.compiled.chain, angles, base)
         for one, angles, base in zip(
@@ -83,7 +80,7 @@ def poses_at(scene: Scene, parts: Sequence[Part], configuration: Configuration) 
 
 
 def framed_points(parts: Sequence[Part], poses: Sequence[Pose]) -> Array:
-    """Return points of the world, shape (n, 3), around all that must be in the picture."""
+    """Return the corners of boxes around all framed parts, in the world [m], shape (n, 3)."""
     return np.concatenate(
         [
             _corners(part.facets) @ np.array(pose.rotation).T + pose.position

@@ -1,4 +1,4 @@
-"""Triangles for the surface of a solid, with the normals that make round ones look round."""
+"""Triangles of the surface of a solid, with normals for smooth shading."""
 
 from __future__ import annotations
 
@@ -16,15 +16,16 @@ from somo_cli.manipulator.solids import Box, Cylinder, Sphere
 
 Array: TypeAlias = NDArray[Any]
 
-FACETS_AROUND_AXIS = 48  # facets around an axis
-_ROWS_TO_POLE = 12  # of facets from the equator of a ball to a pole
+FACETS_AROUND_AXIS = 48
+_ROWS_TO_POLE = 12  # rows of facets from the equator of a ball to a pole
 
 
 @dataclass(frozen=True, slots=True)
 class Facets:
-    """Vertices and their outward unit normals, shape (n, 3), and triangles of them, shape (m, 3).
+    """Vertices and their outward unit normals, shape (n, 3), and triangles, shape (m, 3).
 
-    In the frame and the unit of the solid; triangles are counterclockwise from outside.
+    They are in the frame and the unit of the solid. Triangles are indices of vertices,
+    counterclockwise seen from outside.
     """
 
     vertices: Array
@@ -32,7 +33,7 @@ class Facets:
     triangles: Array
 
     def scaled(self, factor: float) -> Facets:
-        """Return them larger by a factor, about the origin of the frame."""
+        """Return the facets scaled by a factor about the origin of the frame."""
         return Facets(self.vertices * factor, self.normals, self.triangles)
 
 
@@ -76,7 +77,7 @@ def _(solid: Hull) -> Facets:
 @facets.register
 def _(solid: Cylinder) -> Facets:
     half, radius = solid.length / 2, solid.radius
-    # an outline from below to above: distance from the axis, height, and the normal in both
+    # outline from bottom to top: distance from the axis, height, and the normal in these axes
     return _revolved(
         np.array(
             [
@@ -92,14 +93,14 @@ def _(solid: Cylinder) -> Facets:
 
 
 def _arc(radius: float, height: float, first: int, last: int) -> Array:
-    """Return the outline of a ball at a height, between rows counted from its equator."""
+    """Return the outline of a ball at a height, between two rows counted from its equator."""
     angles = np.arange(first, last + 1) * (math.pi / 2 / _ROWS_TO_POLE)
     out, up = np.cos(angles), np.sin(angles)
     return np.stack([radius * out, height + radius * up, out, up], axis=1)
 
 
 def _revolved(outline: Array) -> Facets:
-    """Return the body that an outline, shape (k, 4), sweeps out around the z axis."""
+    """Return the surface that an outline, shape (k, 4), sweeps around the z axis."""
     angles = np.arange(FACETS_AROUND_AXIS + 1) * (2 * math.pi / FACETS_AROUND_AXIS)
     out = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     distance, height, across, along = (column[:, None, None] for column in outline.T)
@@ -112,20 +113,20 @@ def _revolved(outline: Array) -> Facets:
 
 
 def _grid(rows: int, columns: int) -> Array:
-    """Return the triangles between the points of a grid, whose rows follow one another."""
+    """Return the triangles of a grid of points that are numbered row by row, shape (m, 3)."""
     corner = np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)
     a, b, c, d = corner, corner + 1, corner + columns + 1, corner + columns
     return np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3)
 
 
 def _ball(core: tuple[float, float, float], radius: float) -> Facets:
-    """Return a box of these half edges to which a ball is added; without one, a plain box.
+    """Return the Minkowski sum of a box with half edges `core` and a ball; a box for radius 0.
 
-    Each face is a grid on a cube, blown up to the ball and moved out to its corner of the core.
+    Each face is a grid on a cube, projected to the ball and moved to the corners of the core.
     """
     steps = np.tan(np.linspace(-math.pi / 4, math.pi / 4, 2 * (_ROWS_TO_POLE // 2) + 1))
     half = len(steps) // 2
-    # the middle row belongs to both halves, between which the face of the core lies
+    # the middle row is in both halves, since the face of the core lies between them
     steps = np.concatenate([steps[: half + 1], steps[half:]]) if radius else np.array([-1.0, 1.0])
     sides = np.repeat([-1.0, 1.0], len(steps) // 2)
     parts = [
@@ -162,7 +163,7 @@ def _joined(parts: list[Facets]) -> Facets:
 
 
 def _flat(vertices: Array, faces: Array) -> Facets:
-    """Return a polyhedron, each face with vertices and one normal of its own."""
+    """Return a polyhedron with flat faces: each has its own vertices and one normal."""
     corners = vertices[faces]
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(across, axis=1, keepdims=True)

@@ -1,4 +1,4 @@
-"""Pictures one after the other to a film; the only place the encoder is known."""
+"""Films from pictures; no other module uses the encoder."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from somo_cli.problems import ExtraMissing
 
 KINDS = (".mp4", ".gif")
 MAX_GIF_RATE = 50
-"""Pictures per second: what a GIF can tell at most, in hundredths of a second."""
+"""Pictures per second, the most of a GIF, whose times are hundredths of a second."""
 
 _BARE = ["-threads", "1", "-fflags", "+bitexact", "-flags:v", "+bitexact", "-map_metadata", "-1"]
 _PALETTE = "split[one][two];[one]palettegen[colours];[two][colours]paletteuse=dither=sierra2_4a"
@@ -30,12 +30,12 @@ _SETTINGS: dict[str, dict[str, Any]] = {
 
 
 def require() -> None:
-    """Raise ExtraMissing if there is no encoder."""
+    """Raise ExtraMissing if the encoder is not installed."""
     _encoder()
 
 
 def encode(pictures: Iterable[Array], size: tuple[int, int], rate: Fraction, kind: str) -> bytes:
-    """Return a film of pictures, each of shape (height, width, 3), bytes, `rate` per second.
+    """Return a film of pictures, unsigned bytes of shape (height, width, 3), `rate` per second.
 
     `size` is width and height, both even for an .mp4. Raises ExtraMissing, or OSError if the
     encoder fails.
@@ -63,6 +63,6 @@ def _encoder() -> Any:
         raise missing from error
     try:
         imageio_ffmpeg.get_ffmpeg_exe()
-    except RuntimeError as error:  # no binary for this platform, and none on the path
+    except RuntimeError as error:  # no binary for this platform or on the path
         raise missing from error
     return imageio_ffmpeg

@@ -1,4 +1,4 @@
-"""PNG files, the same bytes for the same pixels on one platform."""
+"""PNG files: the same bytes for the same pixels, on one platform."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from somo_cli.picture.facets import Array
 
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _RGB = 2
-_UP = 2  # the filter that tells each line by what it adds to the one above
+_UP = 2  # the filter that stores the difference to the line above
 
 
 def png(pixels: Array) -> bytes:
-    """Return the PNG of pixels, shape (height, width, 3), unsigned bytes."""
+    """Return the PNG of pixels, unsigned bytes of shape (height, width, 3)."""
     height, width, _ = pixels.shape
     lines = pixels.reshape(height, 3 * width)
     above = lines.copy()

@@ -1,4 +1,4 @@
-"""Rows of a run, from a simulation or a CSV, to the moments between them."""
+"""The configuration at any time of a recorded run, interpolated between its rows."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from somo_cli.scene.prescribed_motion import PosePath
 _POSE = ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")
 
 
-def drawn(scene: Scene) -> Scene:
-    """Return the scene with what a picture needs recorded, and nothing else."""
+def scene_to_draw(scene: Scene) -> Scene:
+    """Return the scene recording what pictures need, and nothing else."""
     columns: tuple[Quantity, ...] = ("joint_angles", "base_pose")
     return dataclasses.replace(
         scene, columns=columns, object_quantities=("pose",), only=(), has_contact_events=False
@@ -27,33 +27,33 @@ def drawn(scene: Scene) -> Scene:
 
 @dataclass(frozen=True, slots=True)
 class RecordedMotion:
-    """Columns of a run by their names, time_s among them, in SI; and the scene that was run."""
+    """The columns of a run by name, with time_s, in SI, and the scene that was run."""
 
     scene: Scene
     columns: Mapping[str, Sequence[float]]
 
     @property
     def times(self) -> Sequence[float]:
-        """The times of the rows [s], which increase."""
+        """The times of the rows [s], increasing."""
         return self.columns["time_s"]
 
     def required_columns(self) -> tuple[str, ...]:
-        """Return the columns without which nobody knows where everything is."""
+        """Return the names of the columns without which the configuration is unknown."""
         names: list[str] = []
         for one in self.scene.manipulators:
             names += _angle_names(one)
             if one.base == "free":
                 names += _pose_names(f"{one.name}.base_pose")
-        for thing in self.scene.objects:
-            if not thing.has_prescribed_pose:
-                names += _pose_names(f"{thing.name}.pose")
+        for one_object in self.scene.objects:
+            if not one_object.has_prescribed_pose:
+                names += _pose_names(f"{one_object.name}.pose")
         return tuple(names)
 
     def at(self, time: float) -> Configuration:
-        """Return the configuration at a time [s] between the first row and the last.
+        """Return the configuration at a time [s] between the first and the last row.
 
-        Between rows angles and positions are linear, and orientations turn at a constant rate.
-        Bases and objects that no column tells of are where the scene has them.
+        Angles and positions are interpolated linearly, orientations at a constant rotation rate.
+        Bases and objects that are not recorded have the pose of the scene.
         """
         start = start_configuration(self.scene)
         row, share = self._row_at(time)
@@ -78,7 +78,7 @@ class RecordedMotion:
         return Configuration(angles, bases, objects)
 
     def _row_at(self, time: float) -> tuple[int, float]:
-        """Return the last row that is not behind a time, and how far on to the next the time is."""
+        """Return the last row not after a time, and how much of the interval to the next is over."""
         times = self.times
         row = min(max(bisect_right(times, time) - 1, 0), max(len(times) - 2, 0))
         if len(times) == 1:
@@ -121,7 +121,7 @@ def _pose_on_path(path: PosePath | None, start: Pose, time: float) -> Pose:
 
 
 def _slerp(first: Sequence[float], second: Sequence[float], share: float) -> list[float]:
-    """Return a quaternion on the shorter way between two (Shoemake, SIGGRAPH 1985, slerp)."""
+    """Return the spherical interpolation of two quaternions (Shoemake, SIGGRAPH 1985)."""
     if share == 1:
         return list(second)
     dot = sum(a * b for a, b in zip(first, second, strict=True))

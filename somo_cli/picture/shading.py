@@ -1,4 +1,4 @@
-"""From what the renderer sees to a picture: shadows, the ground, seams, and smooth edges.
+"""From the raster of the renderer to a picture: shadows, ground, seams and smooth edges.
 
 Lengths are metres. Colours are red, green and blue from 0 to 255.
 """
@@ -18,16 +18,16 @@ from somo_cli.picture.shadows import Lamp, Shadows, light_direction
 from somo_cli.picture.tiny_renderer import AMBIENT, Raster
 
 TILES = (246.0, 232.0)
-"""The greys of the two kinds of squares on the ground."""
+"""The greys of the two kinds of squares of the ground."""
 _PAPER = 255.0
-_DARKEST = 0.62  # of the ground, in full shadow
-_SEAM = 0.72  # of the pixels on both sides where two links meet
-_CLEAR, _GONE = 1.8, 5.0  # radii from the middle at which the ground begins to fade, and ends
+_DARKEST = 0.62  # brightness of the ground in full shadow, over that in light
+_SEAM = 0.72  # brightness of the pixels on both sides of a seam between links
+_CLEAR, _GONE = 1.8, 5.0  # distances from the middle, in radii, where the ground fades
 
 
 @dataclass(frozen=True, slots=True)
 class Ground:
-    """The plane at a height, in squares of this edge, around the middle of what is framed."""
+    """The ground at a height, in squares; it fades around the middle of the framed points."""
 
     height: float
     square: float
@@ -37,7 +37,7 @@ class Ground:
 
 @dataclass(frozen=True, slots=True)
 class _GroundPixels:
-    """The ground in each pixel: how far away it is, its grey, and how far it has faded, 0 to 1."""
+    """The ground in each pixel: its distance, its grey, and how far it has faded, 0 to 1."""
 
     distances: Array
     greys: Array
@@ -45,29 +45,29 @@ class _GroundPixels:
 
 
 def tile_edge(radius: float) -> float:
-    """Return the edge of a square of the ground [m]: 1, 2 or 5 times a power of ten."""
+    """Return the edge of a square of the ground [m], of 1, 2 or 5 times a power of ten."""
     wanted = radius / 2
     power = 10.0 ** math.floor(math.log10(wanted))
     return power * max(step for step in (1, 2, 5) if step * power <= wanted * (1 + 1e-9))
 
 
 class Shading:
-    """Makes pictures from one camera; what does not change from picture to picture is kept."""
+    """Shades the pictures of one camera; it keeps what is the same in all of them."""
 
     def __init__(
         self, camera: Camera, size: tuple[int, int], parts: Sequence[Part], ground: Ground | None
     ) -> None:
         self.direction = light_direction(camera)
-        """From where light falls in, a unit vector."""
+        """Unit vector towards the light."""
         self._size = size
         self._shadows = Shadows(camera, size, self.direction)
         self._unlit = np.array([part.colour for part in parts], np.float32) * (255 * AMBIENT)
         links = [(part.body, part.link) for part in parts]
-        self._links = np.array([*map(links.index, links), -1])  # the last one is that of no part
+        self._links = np.array([*map(links.index, links), -1])  # the last entry is for no part
         self._ground = None if ground is None else _ground_pixels(ground, camera, size)
 
     def picture(self, raster: Raster, lamp: Lamp, seen_by_lamp: Raster) -> Array:
-        """Return red, green and blue of every pixel, shape (height, width, 3), as floats."""
+        """Return the colour of every pixel, shape (height, width, 3), as floats from 0 to 255."""
         width, height = self._size
         parts = raster.parts.ravel().copy()
         distances = raster.distances.ravel()
@@ -91,7 +91,7 @@ class Shading:
 
 
 def smoothed(picture: Array, factor: int) -> Array:
-    """Return the picture smaller by a whole factor, each pixel the mean of those it stands for."""
+    """Return a picture reduced by a whole factor; each pixel is the mean of a square of pixels."""
     whole = [picture[i::factor, j::factor] for i in range(factor) for j in range(factor)]
     mean = sum(whole[1:], start=whole[0]) / np.float32(factor * factor)
     return np.clip(np.rint(mean), 0, 255).astype(np.uint8)
@@ -116,7 +116,7 @@ def _ground_pixels(ground: Ground, camera: Camera, size: tuple[int, int]) -> _Gr
 
 
 def _draw_seams(picture: Array, links: Array) -> None:
-    """Darken the pixels of links, by their numbers, that border on another link."""
+    """Darken the pixels at seams; `links` are the numbers of the links in all pixels."""
     for axis in (0, 1):
         one = tuple(slice(None, -1) if axis == i else slice(None) for i in (0, 1))
         next_one = tuple(slice(1, None) if axis == i else slice(None) for i in (0, 1))

@@ -1,4 +1,4 @@
-"""Soft shadows: what a distant lamp does not see lies in the dark."""
+"""Soft shadows: points that a distant lamp does not see are in shadow."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ from somo_cli.picture.camera import Camera
 from somo_cli.picture.facets import Array
 from somo_cli.picture.tiny_renderer import Raster
 
-MAP = 1200  # pixels across, of what the lamp sees
-_FAR = 30.0  # radii from the middle to the lamp: as good as parallel
-_MARGIN = 1.05  # around what the lamp has to see
-_BIAS = 0.018  # of the radius: how far behind a surface its own shadow begins
-_TAPS = (-1, 0, 1)  # pixels of the map, down and across, whose mean makes a shadow soft
+MAP = 1200  # pixels across the picture of the lamp
+_FAR = 30.0  # distance of the lamp, in radii: its rays are almost parallel
+_MARGIN = 1.05  # extent of the picture of the lamp over that of the points
+_BIAS = 0.018  # distance behind a surface where its own shadow begins, over the radius
+_TAPS = (-1, 0, 1)  # pixels down and across that are averaged for a soft shadow
 
 
 @dataclass(frozen=True, slots=True)
 class Lamp:
-    """A camera in the place of the lamp, and the radius of all that it sees [m]."""
+    """A camera at the lamp, and the radius of the points that it sees [m]."""
 
     camera: Camera
     radius: float
 
 
 def light_direction(camera: Camera) -> Array:
-    """Return from where light falls in, a unit vector: from above, over the left shoulder."""
+    """Return the unit vector towards the light: above, behind and to the left of the camera."""
     right = camera.axes[0]
     above = np.array([0.0, 0.0, 1.0])
     direction = 1.2 * above - 0.25 * right - 0.65 * np.cross(above, right)
@@ -36,7 +36,7 @@ def light_direction(camera: Camera) -> Array:
 
 
 def lamp(points: Array, direction: Array) -> Lamp:
-    """Return a lamp in a direction that sees all points, shape (n, 3)."""
+    """Return a lamp in a direction, a unit vector, that sees all points [m], shape (n, 3)."""
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     radius = float(np.linalg.norm(points - middle, axis=1).max())
     tangent = _MARGIN / math.sqrt(_FAR**2 - 1)
@@ -51,7 +51,7 @@ def lamp(points: Array, direction: Array) -> Lamp:
 
 
 class Shadows:
-    """Says which pixels of one camera are in the dark, under lamps in one direction."""
+    """Finds the pixels of one camera that are in shadow, for lamps in one direction."""
 
     def __init__(self, camera: Camera, size: tuple[int, int], direction: Array) -> None:
         self._axes = _axes(direction)
@@ -59,10 +59,10 @@ class Shadows:
         self._rays = camera.rays(size, self._axes)
 
     def dark(self, pixels: Array, distances: Array, lamp: Lamp, raster: Raster) -> Array:
-        """Return how far pixels, by their numbers in the picture, are in the dark, 0 to 1.
+        """Return how dark the shadow is in `pixels`, indices of the picture, from 0 to 1.
 
-        `distances` are those of what they show, along the axis of the camera [m], and `raster` is
-        what the lamp sees.
+        `distances` are those of the points in these pixels along the axis of the camera [m];
+        `raster` is what the lamp sees.
         """
         x, y, z = (self._axes @ (self._eye - lamp.camera.eye)).astype(np.float32)
         across, upward, depth = self._rays[:, pixels] * distances + np.array([[x], [y], [z]])
@@ -82,7 +82,7 @@ class Shadows:
 
 
 def _axes(direction: Array) -> Array:
-    """Return the axes of a lamp as a camera has them: right, up and forward, as rows."""
+    """Return the axes of the camera of a lamp, right, up and forward, as rows."""
     side = np.array([1.0, 0.0, 0.0]) if abs(direction[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
     right = np.cross(side, direction)
     right /= np.linalg.norm(right)
@@ -90,7 +90,7 @@ def _axes(direction: Array) -> Array:
 
 
 def _without_edge(distances: Array) -> Array:
-    """Return the map as one row, with nothing at its edge, which stands for all that is outside."""
+    """Return the map as one row; its edge, which stands for all points outside, is empty."""
     free = np.full_like(distances, np.inf)
     free[2:-2, 2:-2] = distances[2:-2, 2:-2]
     return free.ravel()

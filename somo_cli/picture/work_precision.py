@@ -1,4 +1,4 @@
-"""The work-precision diagram: error of the tip against run time, a curve for each integrator."""
+"""The work-precision diagram: tip error against run time, with a curve for each integrator."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ FORMATS = ("png", "svg")
 
 
 def draw(study: Study, title: str) -> dict[str, bytes]:
-    """Return the diagram of a study in every format; the same bytes for the same numbers.
+    """Return the diagram of a study in every format, with the same bytes for the same numbers.
 
-    Points of the first chain are labelled with their time steps, chains of different numbers of
-    segments with that number. Horizontal lines tell the error of the reference and, where it is
-    known, that of the chain against the continuum; a vertical one real time, if it is in sight.
-    Raises ExtraMissing.
+    Points of the first chain are labelled with their time steps, curves with their numbers of
+    segments. Horizontal lines show the error of the reference and, if known, that of the chain
+    against the continuum; a vertical line shows real time, if that is within the axes. Raises
+    ExtraMissing.
     """
     try:
         from matplotlib import style
     except ImportError as error:
         raise ExtraMissing("the picture needs matplotlib: pip install 'somo-cli[plot]'") from error
-    # whatever the user has set up for other pictures, and ids that do not change from run to run
+    # the user's own style must not change the picture, nor may ids change from run to run
     with style.context(["default", {"svg.hashsalt": "somo"}]):
         figure = _figure(study, title)
         return {kind: _bytes(figure, kind) for kind in FORMATS}
@@ -41,7 +41,7 @@ def _figure(study: Study, title: str) -> Any:
     for number, (name, curve) in enumerate(_curves(study).items()):
         times, errors = zip(*((one.case.run_time, one.solver) for one in curve), strict=True)
         axes.loglog(times, errors, marker=MARKERS[number % len(MARKERS)], label=name)
-        # curves of other numbers of segments run close by: their labels would cover each other
+        # curves of other numbers of segments are close, so that their labels would overlap
         for one in curve if curve[0].discretization is study.discretizations[0] else ():
             axes.annotate(
                 f"{1e3 * one.case.time_step:.3g} ms",
@@ -68,7 +68,7 @@ def _figure(study: Study, title: str) -> Any:
 
 
 def _curves(study: Study) -> dict[str, list[RatedCase]]:
-    """Return the cases with an error that is known, by integrator and number of segments."""
+    """Return the cases with a known error, by integrator and number of segments."""
     found: dict[str, list[RatedCase]] = {}
     for one in sorted(rated_cases(study), key=lambda one: -one.case.time_step):
         if one.case.errors["tip_position"] is not None:

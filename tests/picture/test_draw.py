@@ -13,7 +13,7 @@ from somo_cli.picture.camera import VIEWS, Camera, framing
 from somo_cli.picture.draw import PictureSettings, pictures, tile_edge
 from somo_cli.picture.drawn_parts import framed_points, parts_of, poses_at
 from somo_cli.picture.facets import Array
-from somo_cli.picture.recorded_motion import RecordedMotion, drawn
+from somo_cli.picture.recorded_motion import RecordedMotion, scene_to_draw
 from somo_cli.picture.tiny_renderer import TinyRenderer
 from somo_cli.scene import columns
 from somo_cli.simulation.plan.build import make_plan
@@ -37,7 +37,7 @@ objects:
 
 
 def recording(name: str, time: float) -> RecordedMotion:
-    scene = drawn(scene_from_file(name))
+    scene = scene_to_draw(scene_from_file(name))
     steps = round(time / scene.time_step)
     scene = dataclasses.replace(scene, every=max(steps, 1))
     names = columns.header(make_plan(scene).recorded)
@@ -87,7 +87,7 @@ def test_one_camera_takes_all_pictures_of_a_film() -> None:
 
 def test_a_body_throws_its_shadow_away_from_the_light() -> None:
     scene = scene_from_text(BALL)
-    told = RecordedMotion(drawn(scene), _still(scene.manipulators[0].compiled.chain))
+    told = RecordedMotion(scene_to_draw(scene), _still(scene.manipulators[0].compiled.chain))
     parts = parts_of(scene)
     poses = poses_at(scene, parts, told.at(0.0))
     points = framed_points(parts, poses)

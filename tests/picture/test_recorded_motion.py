@@ -10,7 +10,7 @@ import pytest
 
 from somo_cli.manipulator import geometry
 from somo_cli.picture.drawn_parts import Configuration, parts_of, poses_at, start_configuration
-from somo_cli.picture.recorded_motion import RecordedMotion, drawn
+from somo_cli.picture.recorded_motion import RecordedMotion, scene_to_draw
 from somo_cli.scene import columns
 from somo_cli.simulation.plan.build import make_plan
 from tests.loading import rows_of, scene_from_file
@@ -41,7 +41,7 @@ def turn_of(configuration: Configuration) -> float:
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("time", [0.0, 0.25, 0.5, 1.0, 1.75, 2.0])
-def test_between_rows_all_goes_on_evenly(time: float, sign: float) -> None:
+def test_between_rows_everything_moves_at_constant_rates(time: float, sign: float) -> None:
     configuration = of_cube(0.0, 1.0, 2.0, sign=sign).at(time)
     assert turn_of(configuration) == pytest.approx(time)
     assert configuration.objects[0].position == pytest.approx((time, 2, 3))
@@ -68,14 +68,14 @@ def test_one_row_is_a_recording() -> None:
 def test_what_a_picture_needs_is_what_the_scene_for_it_records() -> None:
     for name in ("push_scene.yaml", "lift_scene.yaml", "snake_scene.yaml", "hand_scene.yaml"):
         scene = scene_from_file(name)
-        names = columns.header(make_plan(drawn(scene)).recorded)
+        names = columns.header(make_plan(scene_to_draw(scene)).recorded)
         wanted = RecordedMotion(scene, {}).required_columns()
         assert set(wanted) <= set(names)
         # base_pose of what does not move, and of what is moved, is told and not needed
         assert all(".base_pose." in name for name in set(names[1:]) - set(wanted))
 
 
-def test_a_base_and_an_object_that_are_moved_need_no_columns() -> None:
+def test_a_base_and_an_object_with_prescribed_motion_need_no_columns() -> None:
     scene = scene_from_file("lift_scene.yaml")
     angles = tuple(
         f"{one.name}.{joint.name}.angle_rad"
@@ -97,9 +97,9 @@ def test_a_base_and_an_object_that_are_moved_need_no_columns() -> None:
 
 
 @pytest.mark.slow
-def test_a_simulated_motion_is_met_between_rows_to_second_order() -> None:
+def test_a_simulated_motion_is_interpolated_to_second_order() -> None:
     pytest.importorskip("pybullet")
-    scene = dataclasses.replace(drawn(scene_from_file("snake_scene.yaml")), every=1)
+    scene = dataclasses.replace(scene_to_draw(scene_from_file("snake_scene.yaml")), every=1)
     names = columns.header(make_plan(scene).recorded)
     rows = rows_of(scene, 480)
     whole = RecordedMotion(scene, dict(zip(names, zip(*rows, strict=True), strict=True)))

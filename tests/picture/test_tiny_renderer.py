@@ -57,7 +57,7 @@ def test_a_ball_is_as_far_away_as_its_surface() -> None:
     assert radii == pytest.approx(0.3, rel=0.01)
 
 
-def test_parts_are_told_by_number_and_the_nearer_one_is_seen() -> None:
+def test_parts_are_identified_by_number_and_the_nearer_one_is_seen() -> None:
     parts = [part(Box((1, 0.1, 1))), part(Box((0.5, 0.1, 0.5))), part(Box((0.1, 0.1, 0.1)))]
     with TinyRenderer(parts, 1.0) as renderer:
         renderer.place([Pose(), Pose((0, -0.5, 0)), Pose((0, 0.5, 0))])

@@ -63,7 +63,7 @@ def test_curves_steps_and_lines_are_labelled() -> None:
 
 
 @pytest.mark.moderate
-def test_segments_and_the_error_of_the_chain_are_told() -> None:
+def test_segments_and_the_error_of_the_chain_are_labelled() -> None:
     model = ErrorSummary(1e-4, 1e-4, 1e-4)
     written = texts(draw(study((5, 10), model), "finger")["svg"])
     assert {"implicit, 5 segments", "implicit, 10 segments"} <= set(written)
