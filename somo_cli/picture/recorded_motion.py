@@ -78,7 +78,7 @@ class RecordedMotion:
         return Configuration(angles, bases, objects)
 
     def _row_at(self, time: float) -> tuple[int, float]:
-        """Return the last row not after a time, and how much of the interval to the next is over."""
+        """Return the last row not after a time, and the share of the interval that has passed."""
         times = self.times
         row = min(max(bisect_right(times, time) - 1, 0), max(len(times) - 2, 0))
         if len(times) == 1:
