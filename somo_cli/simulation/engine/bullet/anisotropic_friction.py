@@ -19,12 +19,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from somo_cli.arrays import Array
+from somo_cli.simulation.engine.bullet.last_contacts import ContactKey
 
 STIFFNESS_FACTOR = 0.1  # of a spring, times mass / step²: explicit, and 40 times from unstable
 DAMPING_FACTOR = 0.16  # of a damper, times mass / step: a quarter of critical
-
-ContactKey = tuple[int, int, int, int]
-"""A link in contact with another: body and link, and body and link of the other."""
 
 
 class AnisotropicFriction:

@@ -86,9 +86,9 @@ class BulletBody(BulletDynamics):
         at = centre or self.base_inertial_pose()
         tx, ty, tz, fx, fy, fz = wrench.tolist()
         torque, force = (geometry.rotate(at.rotation, one) for one in ((tx, ty, tz), (fx, fy, fz)))
-        engine, world = self.engine, self.engine.WORLD_FRAME
-        engine.applyExternalForce(self.index, -1, force, at.position, world)
-        engine.applyExternalTorque(self.index, -1, torque, world)
+        engine, client, world = self.engine.module, self.engine.number, self.engine.WORLD_FRAME
+        engine.applyExternalForce(self.index, -1, force, at.position, world, client)
+        engine.applyExternalTorque(self.index, -1, torque, world, client)
 
     def base_pose(self) -> Pose:
         """Return the pose in the world of the base's URDF frame; the engine tells the centre's."""
@@ -99,7 +99,7 @@ class BulletBody(BulletDynamics):
 
     def base_velocity(self) -> tuple[Vector, Vector]:
         """Return the velocity of the base's centre of mass and its angular velocity, in world."""
-        linear, angular = self.engine.getBaseVelocity(self.index)
+        linear, angular = self._base_velocity()
         return linear, angular
 
     def reset(

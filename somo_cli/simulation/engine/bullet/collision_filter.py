@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from somo_cli.simulation.engine.bullet.client import BulletClient
+from somo_cli.simulation.engine.bullet.last_contacts import LastContacts
 from somo_cli.simulation.plan.model import Plan
 
 MAX_ITERATIONS = 200  # of the solver, at most: few contacts need half of them
@@ -59,9 +60,9 @@ def depths(engine: BulletClient, order: Sequence[int]) -> dict[tuple[int, int], 
     engine.performCollisionDetection()
     places = {number: place for place, number in enumerate(order)}
     found: dict[tuple[int, int], float] = {}
-    for point in engine.getContactPoints():
-        first, second = sorted((places[point[1]], places[point[2]]))
-        depth = -point[8]
+    for point in LastContacts(engine).points():
+        first, second = sorted((places[point.first_body], places[point.second_body]))
+        depth = -point.gap
         if first != second and depth > found.get((first, second), 0.0):
             found[first, second] = depth
     return found

@@ -9,6 +9,12 @@ import numpy as np
 
 from somo_cli.simulation.engine.bullet.client import BulletClient
 from somo_cli.simulation.engine.bullet.contact_parameters import contact_parameters
+from somo_cli.simulation.engine.bullet.last_contacts import (
+    ContactKey,
+    EngineContact,
+    EngineLinkId,
+    LastContacts,
+)
 from somo_cli.simulation.engine.contacts import LinkIndex
 from somo_cli.simulation.engine.pressing import ContactPair, Pair, PressingForces, PressingPoints
 from somo_cli.simulation.plan.model import Plan
@@ -18,40 +24,42 @@ SLOP = 1e-5  # engine units; seen in 3.2.7: added to every gap
 UNTOLD_DAMPING = 0.1  # engine units; seen in 3.2.7: of a rigid surface, against one that is not
 LIMIT = 1e-5  # relative: friction as near to its limit slides
 
-Key = tuple[int, int, int, int]
-"""Two bodies and their links, as the engine numbers them."""
+_NORMAL_FORCE = EngineContact._fields.index("normal_force")
 
 
 class BulletContactReader:
     """Reads the contact points of a world; `places` maps the engine's bodies and links."""
 
     def __init__(
-        self, engine: BulletClient, plan: Plan, places: Mapping[tuple[int, int], LinkIndex]
+        self,
+        engine: BulletClient,
+        contacts: LastContacts,
+        plan: Plan,
+        places: Mapping[EngineLinkId, LinkIndex],
     ) -> None:
         self._engine = engine
+        self._contacts = contacts
         self._places = places
         self._indices = {place: index for index, place in reversed(list(places.items()))}
         self._pairs: dict[Pair, ContactPair] = {}
-        self._limits: dict[Key, float] = {}  # squares of the coefficients of friction
-        self._told: Sequence[Any] = ()
+        self._limits: dict[ContactKey, float] = {}  # squares of the coefficients of friction
+        self._pressing: Sequence[tuple[Any, ...]] = ()
         self.recovery = contact_parameters(plan).get("contactERP", RECOVERY)
 
     def pressing(self) -> PressingForces | None:
         """Return what pressed in the last step, None where nothing is near anything."""
-        told = self._engine.getContactPoints()
-        if not told:
+        points = self._contacts.reported()
+        if not points:
             return None
-        # seen in 3.2.7: the fields are flag, bodies, links, points, normal, gap, normal force, and
-        # twice a force of friction and its direction
-        self._told = pressing = [one for one in told if one[9] > 0]
-        keys: list[Key] = []
+        self._pressing = [one for one in points if one[_NORMAL_FORCE] > 0]
+        keys: list[ContactKey] = []
         forces: list[float] = []
         gaps: list[float] = []
         slides: list[bool] = []
         limits = self._limits
-        for one in pressing:
+        for one in self._pressing:
             _, a, b, i, j, _, _, (x, y, z), gap, n, f, (fx, fy, fz), g, (gx, gy, gz) = one
-            key = a, b, i, j
+            key = a, i, b, j
             keys.append(key)
             forces += n * x + f * fx + g * gx, n * y + f * fy + g * gy, n * z + f * fz + g * gz
             gaps.append(gap + SLOP)
@@ -61,9 +69,10 @@ class BulletContactReader:
 
     def points(self) -> PressingPoints:
         """Return where it presses, of what `pressing` returned last."""
-        told, places = self._told, self._places
-        rows = np.array([(one[5], one[6], one[7]) for one in told]).reshape(len(told), 3, 3)
-        pairs = [(places[one[1], one[3]], places[one[2], one[4]]) for one in told]
+        pressing = [EngineContact(*one) for one in self._pressing]
+        rows = np.array([(one.on_first, one.on_second, one.normal) for one in pressing])
+        rows = rows.reshape(len(pressing), 3, 3)
+        pairs = [self._pair_of(one.key) for one in pressing]
         return PressingPoints(pairs, rows[:, 0], rows[:, 1], rows[:, 2])
 
     def pair(self, pair: Pair) -> ContactPair:
@@ -73,10 +82,11 @@ class BulletContactReader:
             known = self._pairs[pair] = self._ask(pair)
         return known
 
-    def _limit(self, key: Key) -> float:
-        places = self._places
-        pair = places[key[0], key[2]], places[key[1], key[3]]
-        limit = self._limits[key] = self.pair(pair).friction ** 2 * (1 - 2 * LIMIT)
+    def _pair_of(self, key: ContactKey) -> Pair:
+        return self._places[key[:2]], self._places[key[2:]]
+
+    def _limit(self, key: ContactKey) -> float:
+        limit = self._limits[key] = self.pair(self._pair_of(key)).friction ** 2 * (1 - 2 * LIMIT)
         return limit
 
     def _ask(self, pair: Pair) -> ContactPair:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -36,6 +37,9 @@ class BulletDynamics:
         self._base_inverse: Array = np.zeros((6, 6))
         self._base_coupling: Array = self._base_to_joints.T
         self._inverse_dynamics = self._make_inverse_dynamics()
+        module, client = engine.module, engine.number
+        self._base_pose = partial(module.getBasePositionAndOrientation, index, client)
+        self._base_velocity = partial(module.getBaseVelocity, index, client)
 
     def _update_gravity_in_base(self) -> None:
         """Take how the base stands to gravity; its start pose is set."""
@@ -170,5 +174,5 @@ class BulletDynamics:
 
     def base_inertial_pose(self) -> Pose:
         """Return the pose in the world of the base's centre of mass, along its principal axes."""
-        centre, orientation = self.engine.getBasePositionAndOrientation(self.index)
+        centre, orientation = self._base_pose()
         return Pose(centre, geometry.rotation_from_quaternion(orientation))

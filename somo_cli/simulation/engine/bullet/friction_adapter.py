@@ -5,18 +5,22 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
+from somo_cli.manipulator.geometry import Matrix, Vector
 from somo_cli.scene.contact_surface import ContactSurface
-from somo_cli.simulation.engine.bullet.anisotropic_friction import AnisotropicFriction, ContactKey
+from somo_cli.simulation.engine.bullet.anisotropic_friction import AnisotropicFriction
 from somo_cli.simulation.engine.bullet.client import BulletClient
-
-EngineLinkId = tuple[int, int]
-"""A link of the engine: body and link."""
+from somo_cli.simulation.engine.bullet.engine_links import EngineLinks
+from somo_cli.simulation.engine.bullet.last_contacts import (
+    ContactKey,
+    EngineContact,
+    EngineLinkId,
+    contacts_of_body,
+)
 
 InertialPose = tuple[Array, Array]
 """Centre and axes of the inertial frame of a link, in the world."""
@@ -115,13 +119,13 @@ class FrictionAdapter:
     """Applies, before a step, the friction at the contacts that the last step has found."""
 
     def __init__(
-        self, engine: BulletClient, time_step: float, links: Sequence[FrictionLink]
+        self, engine_links: EngineLinks, time_step: float, links: Sequence[FrictionLink]
     ) -> None:
-        self._engine = engine
+        self._engine_links = engine_links
         self._time_step = time_step
         self._friction = AnisotropicFriction(time_step)
         self._histories: Mapping[EngineLinkId, tuple[InertialPose, InertialPose]] = {}
-        self._links: Mapping[tuple[int, int], FrictionLink] = {
+        self._links: Mapping[EngineLinkId, FrictionLink] = {
             (one.body, one.link): one for one in links
         }
         self.applied: list[tuple[ContactKey, Sequence[float], list[float]]] = []
@@ -129,7 +133,7 @@ class FrictionAdapter:
         self._bodies = sorted(
             {one.body for one in links if one.surface.friction_anisotropy is not None}
         )
-        self._factors: Mapping[tuple[int, int], Array] = {
+        self._factors: Mapping[EngineLinkId, Array] = {
             place: one.axes @ np.diag(one.surface.friction_anisotropy) @ one.axes.T
             for place, one in self._links.items()
             if one.surface.friction_anisotropy is not None
@@ -137,16 +141,16 @@ class FrictionAdapter:
 
     def apply(self) -> None:
         """Apply the friction for the coming step to all that touch."""
-        contacts = list(self._contacts())
+        reported = list(self._contacts())
         self.applied = []
-        if not contacts:
+        if not reported:
             self._friction.clear()
             self._histories = {}
             return
-        reported = [one for _, one in contacts]
-        keys = tuple(key for key, _ in contacts)
+        keys = tuple(one.key for one in reported)
         data = self._contact_data(keys)
-        points, others = (np.array([one[place] for one in reported]) for place in (5, 6))
+        points = np.array([one.on_first for one in reported])
+        others = np.array([one.on_second for one in reported])
         step, axes = self._time_step, data.own.now.axes
         slip_velocities = data.own.point_velocities(points, step) - data.other.point_velocities(
             others, step
@@ -154,9 +158,9 @@ class FrictionAdapter:
         forces = self._friction.forces(
             keys,
             local_points=data.own.now.to_link_frames(points),
-            normals=np.array([one[7] for one in reported]),
+            normals=np.array([one.normal for one in reported]),
             slip_velocities=slip_velocities,
-            limits=data.frictions * [one[9] for one in reported],
+            limits=data.frictions * [one.normal_force for one in reported],
             masses=data.masses,
             factors=axes @ data.factors @ axes.transpose(0, 2, 1),
         )
@@ -211,37 +215,29 @@ class FrictionAdapter:
         }
         return PoseHistory(now, before, earlier)
 
-    def _contacts(self) -> Iterator[tuple[ContactKey, Any]]:
-        """Yield each contact of a link whose friction is ours, once, and what the engine tells."""
+    def _contacts(self) -> Iterator[EngineContact]:
+        """Yield each contact of a link whose friction is applied here, once; that link is first."""
         for body in self._bodies:
-            for reported in self._engine.getContactPoints(body):
-                key = (reported[1], reported[3], reported[2], reported[4])
+            for contact in contacts_of_body(self._engine_links.engine, body):
+                key = contact.key
                 if key[0] == key[2] or key[:2] not in self._factors:
                     continue
                 # two such links: the first body's factors count
                 if key[2:] in self._factors and key[2] < key[0]:
                     continue
-                yield key, reported
+                yield contact
 
-    def _inertial_state(self, place: tuple[int, int]) -> tuple[Any, Any, Any, Any]:
-        """Return centre, axes of the inertial frame, velocity and spin of a link in the world."""
-        engine = self._engine
-        body, link = place
-        if link < 0:
-            centre, turn = engine.getBasePositionAndOrientation(body)
-            velocity, spin = engine.getBaseVelocity(body)
-        else:
-            state = engine.getLinkState(body, link, 1, 1)
-            centre, turn, velocity, spin = state[0], state[1], state[6], state[7]
-        return centre, geometry.rotation_from_quaternion(turn), velocity, spin
+    def _inertial_state(self, place: EngineLinkId) -> tuple[Vector, Matrix, Vector, Vector]:
+        """Return centre, principal axes, velocity and spin of a link in the world."""
+        state = self._engine_links.state(place)
+        return state.centre, state.axes, state.velocity, state.spin
 
     def _apply_force(
         self, place: EngineLinkId, force: Sequence[float], point: Sequence[float]
     ) -> None:
         """Apply a force to a link at a point of the world."""
         if self._links[place].mass > 0:
-            engine = self._engine
-            engine.applyExternalForce(*place, force, point, engine.WORLD_FRAME)
+            self._engine_links.apply_force(place, force, point)
 
 
 def _reduced_mass(mass: float, other: float) -> float:

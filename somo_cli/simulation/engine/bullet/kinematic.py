@@ -83,7 +83,7 @@ class KinematicObject(BulletObject):
     def move_to(self, goal: Pose, time_step: float) -> None:
         """Have the frame at this pose after the next step."""
         goal = self.to_engine(goal)
-        centre, orientation = self.engine.getBasePositionAndOrientation(self.index)
+        centre, orientation = self._engine_pose()
         axes = geometry.rotation_from_quaternion(orientation)
         way = geometry.subtract(goal.position, centre)
         # seen in 3.2.7: the pose of a fixed base is advanced by its velocity all the same, which

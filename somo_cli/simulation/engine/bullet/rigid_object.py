@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from somo_cli.arrays import Array
@@ -25,18 +27,11 @@ class BulletObject:
         self.engine = engine
         self._object = planned.rigid_object
         self._principal_frame = planned.compound.frame if planned.compound else None
-        if planned.compound:
-            stem, has_prescribed_pose = path.removesuffix(".urdf"), self._object.has_prescribed_pose
-            self.index = bullet_compound.create_body(
-                engine, planned.compound, stem, has_prescribed_pose
-            )
-        else:
-            flags = engine.URDF_USE_INERTIA_FROM_FILE | engine.URDF_USE_IMPLICIT_CYLINDER
-            self.index = engine.loadURDF(
-                path,
-                useFixedBase=self._object.has_prescribed_pose,
-                flags=flags,
-            )
+        self.index = _load(engine, planned, path)
+        # bound once, because they are called in every step
+        module, client = engine.module, engine.number
+        self._engine_pose = partial(module.getBasePositionAndOrientation, self.index, client)
+        self._engine_velocity = partial(module.getBaseVelocity, self.index, client)
         engine.changeDynamics(
             self.index,
             -1,
@@ -116,10 +111,10 @@ class BulletObject:
 
     def pose(self) -> Pose:
         """Return the pose of the object's frame in the world."""
-        position, turn = self.engine.getBasePositionAndOrientation(self.index)
+        position, turn = self._engine_pose()
         rotation = geometry.rotation_from_quaternion(turn)
         if self._principal_frame:
-            # the engine tells the pose of the principal axes
+            # the engine reports the pose of the principal axes
             rotation = geometry.multiply(
                 rotation, geometry.transposed(self._principal_frame.rotation)
             )
@@ -129,14 +124,13 @@ class BulletObject:
 
     def mobility(self) -> tuple[Vector, Array]:
         """Return its centre of mass and the inverse of its inertia, (6, 6), in the world."""
-        engine = self.engine
-        centre, turn = engine.getBasePositionAndOrientation(self.index)
+        centre, turn = self._engine_pose()
         inverse: Array = np.zeros((6, 6))
         if not self._object.has_prescribed_pose:
-            told = engine.getDynamicsInfo(self.index, -1)
+            reported = self.engine.getDynamicsInfo(self.index, -1)
             axes = np.array(geometry.rotation_from_quaternion(turn))
-            inverse[:3, :3] = axes / np.array(told[2]) @ axes.T
-            inverse[3:, 3:] = np.eye(3) / told[0]
+            inverse[:3, :3] = axes / np.array(reported[2]) @ axes.T
+            inverse[3:, 3:] = np.eye(3) / reported[0]
         return centre, inverse
 
     def centre(self) -> Vector:
@@ -146,5 +140,16 @@ class BulletObject:
 
     def velocity(self) -> tuple[Vector, Vector]:
         """Return the velocity of its centre and its angular velocity, in the world."""
-        linear, angular = self.engine.getBaseVelocity(self.index)
+        linear, angular = self._engine_velocity()
         return linear, angular
+
+
+def _load(engine: BulletClient, planned: PlannedObject, path: str) -> int:
+    """Load an object and return its number; an object that nothing moves gets no inertia."""
+    is_fixed = planned.rigid_object.has_prescribed_pose
+    if planned.compound:
+        stem = path.removesuffix(".urdf")
+        return bullet_compound.create_body(engine, planned.compound, stem, is_fixed)
+    flags = engine.URDF_USE_INERTIA_FROM_FILE | engine.URDF_USE_IMPLICIT_CYLINDER
+    index: int = engine.loadURDF(path, useFixedBase=is_fixed, flags=flags)
+    return index

@@ -11,15 +11,16 @@ along the axis. A torque moves it there.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Matrix, Vector
 from somo_cli.scene.round_body import RoundBody, torque
-from somo_cli.simulation.engine.bullet.client import BulletClient
-
-Place = tuple[int, int]
-"""A link of the engine: body and link."""
+from somo_cli.simulation.engine.bullet.engine_links import EngineLinks, axes_at_contact
+from somo_cli.simulation.engine.bullet.last_contacts import (
+    EngineContact,
+    EngineLinkId,
+    LastContacts,
+)
 
 
 class RollingAdapter:
@@ -30,58 +31,49 @@ class RollingAdapter:
 
     def __init__(
         self,
-        engine: BulletClient,
+        links: EngineLinks,
+        contacts: LastContacts,
         time_step: float,
         ground: int,
-        rounds: Mapping[Place, RoundBody],
+        rounds: Mapping[EngineLinkId, RoundBody],
     ) -> None:
-        self._engine = engine
+        self._links = links
+        self._contacts = contacts
         self._time_step = time_step
         self._ground = ground
         self._rounds = rounds
 
     def apply(self) -> None:
         """Apply the torques that move the normal forces of the last step to where bodies stand."""
-        engine = self._engine
-        poses: dict[Place, tuple[Vector, Matrix]] = {}
-        torques: dict[Place, Vector] = {}
-        for one in engine.getContactPoints():
-            if one[9] <= 0 or self._ground not in one[1:3]:
+        poses: dict[EngineLinkId, tuple[Vector, Matrix]] = {}
+        torques: dict[EngineLinkId, Vector] = {}
+        for one in self._contacts.points():
+            is_first = one.second_body == self._ground
+            if one.normal_force <= 0 or not (is_first or one.first_body == self._ground):
                 continue
-            place = (one[1], one[3]) if one[2] == self._ground else (one[2], one[4])
+            place = one.key[:2] if is_first else one.key[2:]
             if place in self._rounds:
                 pose = poses.get(place) or poses.setdefault(place, self._pose(place))
                 turn = self._torque(one, self._rounds[place], pose)
                 torques[place] = geometry.add(torques.get(place, geometry.ZERO), turn)
         for place, turn in torques.items():
-            engine.applyExternalTorque(*place, turn, engine.WORLD_FRAME)
+            self._links.apply_torque(place, turn)
 
-    def _torque(self, reported: Any, body: RoundBody, pose: tuple[Vector, Matrix]) -> Vector:
-        """Return the torque for one contact point, as the engine reports it, in the world."""
+    def _torque(
+        self, contact: EngineContact, body: RoundBody, pose: tuple[Vector, Matrix]
+    ) -> Vector:
+        """Return the torque for one contact point, in the world."""
         centre, axes = pose
-        is_first = reported[2] == self._ground
+        is_first = contact.second_body == self._ground
         sign = 1.0 if is_first else -1.0
-        x, y, z = (sign * component for component in reported[7])
-        size = reported[9]
-        point = geometry.subtract(reported[5] if is_first else reported[6], centre)
+        x, y, z = (sign * component for component in contact.normal)
+        size = contact.normal_force
+        point = geometry.subtract(contact.on_first if is_first else contact.on_second, centre)
         back = geometry.transposed(axes)
         offset = body.offset_to_line(geometry.rotate(back, point), geometry.rotate(back, (x, y, z)))
         return torque(geometry.rotate(axes, offset), (size * x, size * y, size * z))
 
-    def _pose(self, place: Place) -> tuple[Vector, Matrix]:
+    def _pose(self, place: EngineLinkId) -> tuple[Vector, Matrix]:
         """Return the pose of a link at the start of the last step, when points were found."""
-        engine = self._engine
-        body, link = place
-        if link >= 0:
-            state = engine.getLinkState(body, link, 1, 0)
-            return state[0], geometry.rotation_from_quaternion(state[1])
-        centre, turn = engine.getBasePositionAndOrientation(body)
-        velocity, spin = engine.getBaseVelocity(body)
-        back = -self._time_step
-        x, y, z = (back * rate for rate in velocity)
-        axes = geometry.rotation_from_quaternion(turn)
-        rate = geometry.norm(spin)
-        if rate > 0:
-            turned = geometry.rotation_about(geometry.unit(spin), back * rate)
-            axes = geometry.multiply(turned, axes)
-        return geometry.add(centre, (x, y, z)), axes
+        state = self._links.state_at_contact(place, self._time_step)
+        return state.centre, axes_at_contact(place, state, self._time_step)

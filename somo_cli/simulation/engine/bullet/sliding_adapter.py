@@ -11,9 +11,14 @@ in place of the cone is worse. See `sliding_friction` for the law.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
 
-from somo_cli.simulation.engine.bullet.client import BulletClient
+from somo_cli.simulation.engine.bullet.engine_links import EngineLinks
+from somo_cli.simulation.engine.bullet.last_contacts import (
+    ContactKey,
+    EngineContact,
+    EngineLinkId,
+    LastContacts,
+)
 from somo_cli.simulation.engine.bullet.sliding_friction import (
     LinkMotion,
     MissingFriction,
@@ -25,12 +30,6 @@ from somo_cli.simulation.engine.bullet.sliding_friction import (
 LIMIT_RATIO = 0.999  # of the friction limit: below it, a point sticks
 STARTING_STEPS = 16  # with a check in each; later sliding is found at the next check of contact
 
-Place = tuple[int, int]
-"""A link of the engine: body and link."""
-
-Key = tuple[int, int, int, int]
-"""Body and link, and body and link of the other, as the engine orders them in a contact."""
-
 
 class SlidingAdapter:
     """Corrects the direction of sliding friction from step to step.
@@ -40,21 +39,26 @@ class SlidingAdapter:
     """
 
     def __init__(
-        self, engine: BulletClient, time_step: float, frictions: Mapping[Place, float]
+        self,
+        links: EngineLinks,
+        contacts: LastContacts,
+        time_step: float,
+        frictions: Mapping[EngineLinkId, float],
     ) -> None:
-        self._engine = engine
+        self._links = links
+        self._contacts = contacts
         self._time_step = time_step
         self._frictions = frictions
-        self._limits: dict[Key, float] = {}  # squares of products of coefficients
-        self._masses: dict[Place, tuple[float, float]] = {}
-        self._missing: dict[Key, MissingFriction] = {}
-        self._sliding: dict[Key, list[Point]] | None = None  # as found by `check`
+        self._limits: dict[ContactKey, float] = {}  # squares of products of coefficients
+        self._masses: dict[EngineLinkId, tuple[float, float]] = {}
+        self._missing: dict[ContactKey, MissingFriction] = {}
+        self._sliding: dict[ContactKey, list[Point]] | None = None  # as found by `check`
         self._first = STARTING_STEPS
         self.is_active = True
-        self.applied: list[tuple[Key, Sequence[float], Sequence[float]]] = []
+        self.applied: list[tuple[ContactKey, Sequence[float], Sequence[float]]] = []
         """What was applied for the last step: the links, the point, the force on the first."""
 
-    def check(self, reported: Iterable[Any]) -> None:
+    def check(self, reported: Iterable[EngineContact]) -> None:
         """Start to correct if any contact of the last step, as the engine reports it, slides."""
         if not self.is_active:
             self._sliding = self._sliding_points(reported)
@@ -66,12 +70,11 @@ class SlidingAdapter:
             return
         sliding = self._sliding
         if sliding is None:
-            reported = self._engine.getContactPoints()
-            sliding = self._sliding_points(reported)
+            sliding = self._sliding_points(self._contacts.points())
         self._sliding = None
         self.applied = []
-        lacking: dict[Key, MissingFriction] = {}
-        links: dict[Place, SlidingLink] = {}
+        lacking: dict[ContactKey, MissingFriction] = {}
+        links: dict[EngineLinkId, SlidingLink] = {}
         self.is_active = self._first > 0
         self._first -= 1
         for key, points in sliding.items():
@@ -86,57 +89,49 @@ class SlidingAdapter:
                 self._push(key, found)
         self._missing = lacking
 
-    def _sliding_points(self, reported: Iterable[Any]) -> dict[Key, list[Point]]:
+    def _sliding_points(self, reported: Iterable[EngineContact]) -> dict[ContactKey, list[Point]]:
         """Return the contact points whose friction is at its limit, by their links."""
-        found: dict[Key, list[Point]] = {}
+        found: dict[ContactKey, list[Point]] = {}
         limits = self._limits
         for one in reported:
-            normal = one[9]
+            normal = one.normal_force
             if normal > 0:
-                a, b = one[10], one[12]
-                key = (one[1], one[3], one[2], one[4])
+                a, b = one.friction_1, one.friction_2
+                key = one.first_body, one.first_link, one.second_body, one.second_link
                 least = limits.get(key)
                 if least is None:
                     least = limits[key] = self._limit(key)
                 if 0 < least * normal * normal <= a * a + b * b:
-                    point = Point(one[5], one[7], (one[11], one[13]), (a, b))
+                    tangents = one.tangent_1, one.tangent_2
+                    point = Point(one.on_first, one.normal, tangents, (a, b))
                     found.setdefault(key, []).append(point)
         return found
 
-    def _limit(self, key: Key) -> float:
+    def _limit(self, key: ContactKey) -> float:
         limit = LIMIT_RATIO * self._frictions[key[:2]] * self._frictions[key[2:]]
         return limit * limit
 
-    def _mass(self, place: Place) -> tuple[float, float]:
+    def _mass(self, place: EngineLinkId) -> tuple[float, float]:
         """Return one over mass and over least moment of inertia of a link; 0 if fixed."""
         known = self._masses.get(place)
         if known is None:
-            reported = self._engine.getDynamicsInfo(*place)
-            known = (1 / reported[0], 1 / min(reported[2])) if reported[0] > 0 else (0.0, 0.0)
+            mass, moments = self._links.mass_and_moments(place)
+            known = (1 / mass, 1 / min(moments)) if mass > 0 else (0.0, 0.0)
             self._masses[place] = known
         return known
 
-    def _moving(self, place: Place) -> LinkMotion:
-        engine = self._engine
-        body, link = place
-        if link < 0:
-            (x, y, z), _ = engine.getBasePositionAndOrientation(body)
-            velocity, spin = engine.getBaseVelocity(body)
-            (vx, vy, vz), time = velocity, self._time_step
-            # the pose at the start of the step, as of the contact points
-            return LinkMotion((x - time * vx, y - time * vy, z - time * vz), velocity, spin)
-        # without new kinematics this is the pose at the start of the step, too
-        state = engine.getLinkState(body, link, 1, 0)
-        return LinkMotion(state[0], state[6], state[7])
+    def _moving(self, place: EngineLinkId) -> LinkMotion:
+        state = self._links.state_at_contact(place, self._time_step)
+        return LinkMotion(state.centre, state.velocity, state.spin)
 
-    def _push(self, key: Key, found: MissingFriction) -> None:
+    def _push(self, key: ContactKey, found: MissingFriction) -> None:
         """Apply a wrench to the first link of a pair, the opposite to the other."""
-        engine, world = self._engine, self._engine.WORLD_FRAME
         self.applied.append((key, found.point, found.force))
         (fx, fy, fz), (tx, ty, tz) = found.force, found.torque
-        if self._mass(key[:2])[0] > 0:
-            engine.applyExternalForce(*key[:2], (fx, fy, fz), found.point, world)
-            engine.applyExternalTorque(*key[:2], (tx, ty, tz), world)
-        if self._mass(key[2:])[0] > 0:
-            engine.applyExternalForce(*key[2:], (-fx, -fy, -fz), found.point, world)
-            engine.applyExternalTorque(*key[2:], (-tx, -ty, -tz), world)
+        links, own, other = self._links, key[:2], key[2:]
+        if self._mass(own)[0] > 0:
+            links.apply_force(own, (fx, fy, fz), found.point)
+            links.apply_torque(own, (tx, ty, tz))
+        if self._mass(other)[0] > 0:
+            links.apply_force(other, (-fx, -fy, -fz), found.point)
+            links.apply_torque(other, (-tx, -ty, -tz))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any
 
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Matrix
@@ -13,7 +12,9 @@ from somo_cli.scene.round_body import RoundBody, round_body_of
 from somo_cli.simulation.engine.bullet import contact_parameters
 from somo_cli.simulation.engine.bullet.body import BulletBody
 from somo_cli.simulation.engine.bullet.client import BulletClient
+from somo_cli.simulation.engine.bullet.engine_links import EngineLinks
 from somo_cli.simulation.engine.bullet.friction_adapter import FrictionAdapter, FrictionLink
+from somo_cli.simulation.engine.bullet.last_contacts import ContactKey, EngineContact, LastContacts
 from somo_cli.simulation.engine.bullet.rigid_object import BulletObject
 from somo_cli.simulation.engine.bullet.rolling_adapter import RollingAdapter
 from somo_cli.simulation.engine.bullet.sliding_adapter import SlidingAdapter
@@ -22,8 +23,8 @@ from somo_cli.simulation.plan.model import Plan
 SurfaceOfLink = tuple[int, int, ContactSurface, Matrix | None]
 """Body and link of the engine, its surface, and its axes if the engine does not know them."""
 
-AppliedFriction = tuple[tuple[int, int, int, int], Sequence[float], Sequence[float]]
-"""Body and link, body and link of the other, the point, and the force on the first."""
+AppliedFriction = tuple[ContactKey, Sequence[float], Sequence[float]]
+"""The two links, the point, and the force on the first."""
 
 
 class StepCorrections:
@@ -36,6 +37,7 @@ class StepCorrections:
     def __init__(
         self,
         engine: BulletClient,
+        contacts: LastContacts,
         plan: Plan,
         bodies: Sequence[BulletBody],
         objects: Sequence[BulletObject],
@@ -43,29 +45,40 @@ class StepCorrections:
     ) -> None:
         self._engine, self._plan = engine, plan
         self._bodies, self._objects, self._ground = bodies, objects, ground
+        self._contacts, links = contacts, EngineLinks(engine)
         surfaces = list(self._surfaces())
         self.anisotropic: FrictionAdapter | None = None
         self.sliding: SlidingAdapter | None = None
         self.rolling: RollingAdapter | None = None
         if any(surface.friction_anisotropy is not None for _, _, surface, _ in surfaces):
-            links = [FrictionLink.of(engine, *one) for one in surfaces]
-            self.anisotropic = FrictionAdapter(engine, plan.time_step, links)
+            of_surfaces = [FrictionLink.of(engine, *one) for one in surfaces]
+            self.anisotropic = FrictionAdapter(links, plan.time_step, of_surfaces)
         if plan.can_touch:
             frictions = {
                 (body, link): contact_parameters.surface_settings(surface)["lateralFriction"]
                 for body, link, surface, _ in surfaces
             }
-            self.sliding = SlidingAdapter(engine, plan.time_step, frictions)
+            self.sliding = SlidingAdapter(links, contacts, plan.time_step, frictions)
         if ground is not None and contact_parameters.has_soft_ground(plan):
             rounds = dict(self._rounds())
-            self.rolling = RollingAdapter(engine, plan.time_step, ground, rounds)
+            self.rolling = RollingAdapter(links, contacts, plan.time_step, ground, rounds)
 
     def before(self, step: Callable[[], object]) -> Callable[[], object]:
-        """Return the engine's step with these corrections before it."""
-        for one in (self.anisotropic, self.sliding, self.rolling):
-            if one is not None:
-                step = _after(one.apply, step)
-        return step
+        """Return the engine's step with these corrections before it; here alone they are applied.
+
+        What was read of contact belongs to the step before.
+        """
+        contacts = self._contacts
+        corrections = (self.rolling, self.sliding, self.anisotropic)
+        applies = [one.apply for one in corrections if one is not None]
+
+        def step_corrected() -> None:
+            for apply in applies:
+                apply()
+            contacts.clear()
+            step()
+
+        return step_corrected if applies else step
 
     @property
     def applied(self) -> Sequence[AppliedFriction]:
@@ -77,8 +90,8 @@ class StepCorrections:
             for force in one.applied
         ]
 
-    def check(self, reported: Sequence[Any]) -> None:
-        """Check the contacts of the last step, as the engine reports them, for sliding."""
+    def check(self, reported: Sequence[EngineContact]) -> None:
+        """Check the contacts of the last step for sliding."""
         if self.sliding is not None:
             self.sliding.check(reported)
 
@@ -105,11 +118,3 @@ class StepCorrections:
             if found is not None:
                 frame = rigid_object.to_engine(Pose())
                 yield (rigid_object.index, -1), found.seen_from(frame.position, frame.rotation)
-
-
-def _after(apply: Callable[[], object], step: Callable[[], object]) -> Callable[[], object]:
-    def step_after() -> None:
-        apply()
-        step()
-
-    return step_after

@@ -19,6 +19,7 @@ from somo_cli.simulation.engine.bullet.c_stdio import captured_output, decimal_p
 from somo_cli.simulation.engine.bullet.client import BulletClient
 from somo_cli.simulation.engine.bullet.contact_reader import BulletContactReader
 from somo_cli.simulation.engine.bullet.kinematic import KinematicObject, PrescribedBody
+from somo_cli.simulation.engine.bullet.last_contacts import LastContacts
 from somo_cli.simulation.engine.bullet.rigid_object import BulletObject
 from somo_cli.simulation.engine.bullet.step_corrections import StepCorrections
 from somo_cli.simulation.engine.contacts import ContactPoint, LinkIndex, friction_contact
@@ -35,6 +36,7 @@ class BulletWorld:
         self._plan = plan
         self._contact_gap = contact_parameters.contact_parameters(plan)["contactBreakingThreshold"]
         self._client: BulletClient | None = None
+        self.contacts: LastContacts
         self._start = -1  # the engine's number of the state after loading
         self.bodies: list[BulletBody] = []
         self.objects: list[BulletObject] = []
@@ -52,6 +54,7 @@ class BulletWorld:
         """Load every body. What the engine prints meanwhile is in the error, if it refuses one."""
         with captured_output() as printed, decimal_points():
             self._client = BulletClient()
+            self.contacts = LastContacts(self._client, self._plan.can_touch)
             try:
                 self._load_plan()
             except self.engine.error as error:
@@ -85,20 +88,17 @@ class BulletWorld:
 
     def contact_points(self) -> list[ContactPoint]:
         """Return every contact point of the last step, in the engine's order, then what is ours."""
-        # seen in 3.2.7: asked for one body, the engine turns the normals of those contacts in which
-        # that body is the second one, and not the forces of friction; asked for all it turns none
-        reported = self.engine.getContactPoints()
         places = self._link_indices
         found = [
             ContactPoint(
-                places[one[1], one[3]],
-                places[one[2], one[4]],
-                one[5],
-                one[7],
-                one[9],
-                ((one[11], one[10]), (one[13], one[12])),
+                places[one.first_body, one.first_link],
+                places[one.second_body, one.second_link],
+                one.on_first,
+                one.normal,
+                one.normal_force,
+                ((one.tangent_1, one.friction_1), (one.tangent_2, one.friction_2)),
             )
-            for one in reported
+            for one in self.contacts.points()
         ]
         if self._corrections is not None:
             for key, point, force in self._corrections.applied:
@@ -108,19 +108,23 @@ class BulletWorld:
     def penetrations(self) -> list[tuple[LinkIndex, LinkIndex, float]]:
         """Return which parts were how deep in each other in the last step; depths above 0 only."""
         places = self._link_indices
-        reported = self.engine.getContactPoints()
+        reported = self.contacts.points()
         self._contact_count = len(reported)
         if self._corrections is not None:
             self._corrections.check(reported)
         return [
-            (places[one[1], one[3]], places[one[2], one[4]], -gap)
+            (
+                places[one.first_body, one.first_link],
+                places[one.second_body, one.second_link],
+                -one.gap,
+            )
             for one in reported
-            if (gap := one[8]) < 0
+            if one.gap < 0
         ]
 
     def contact_reader(self) -> BulletContactReader:
         """Return what reads the contact points that press."""
-        return BulletContactReader(self.engine, self._plan, self._link_indices)
+        return BulletContactReader(self.engine, self.contacts, self._plan, self._link_indices)
 
     def adapt_solver_iterations(self) -> None:
         """Let the solver take as many iterations as pay with what `penetrations` saw last."""
@@ -195,7 +199,7 @@ class BulletWorld:
         self._disable_fixed_collisions()
         self._index_links()
         self._corrections = StepCorrections(
-            self.engine, self._plan, self.bodies, self.objects, ground
+            self.engine, self.contacts, self._plan, self.bodies, self.objects, ground
         )
         self.step = self._corrections.before(self.step)
 
