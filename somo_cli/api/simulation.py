@@ -194,7 +194,7 @@ class Simulation:
                 f"'{manipulator}' has no joints of actuator {actuator} about axis {axis}; "
                 f"it has (actuator, axis) {known}"
             )
-        stepper.give_torque(joints, torque, self._units.torque)
+        stepper.actuation.give_torque(joints, torque, self._units.torque)
 
     def _open(self) -> None:
         world = BulletWorld(self._plan)

@@ -41,7 +41,7 @@ class SimulationLoop:
         self._driven: list[DrivenBody] = [*body_steppers, *object_steppers]
         self._actuations = [one.actuate for one in self._driven]
         self._reads = [body_stepper.read_state for body_stepper in body_steppers]
-        self._counts = [body_stepper.count_step_work for body_stepper in body_steppers]
+        self._counts = [body_stepper.work.count_step for body_stepper in body_steppers]
         self._assembler = assembler
         self._contact_monitor = contact_monitor
         is_foreseen = plan.can_touch and plan.integrator != "explicit"
@@ -92,7 +92,7 @@ class SimulationLoop:
             if contact_monitor is not None:
                 contact_monitor.update(step + 1, self._world.contact_points())
         for body_stepper in self._body_steppers:
-            body_stepper.count_work(is_steady)
+            body_stepper.work.count(is_steady)
 
     def record_last(self, step: int) -> None:
         """Take the row of the last step, and go beyond it if that needs velocities half a step on.

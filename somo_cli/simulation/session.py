@@ -9,10 +9,11 @@ from somo_cli.simulation.engine import contacts
 from somo_cli.simulation.engine.interface import World, WorldKinematicObject, WorldPrescribedBody
 from somo_cli.simulation.integrator.body_stepper import BodyStepper
 from somo_cli.simulation.integrator.energy_bound import ObjectEnergyBound
-from somo_cli.simulation.integrator.floating_base import FloatingBaseStepper
+from somo_cli.simulation.integrator.fixed_base import FixedBase
+from somo_cli.simulation.integrator.floating_base import FloatingBase
 from somo_cli.simulation.integrator.half_step_start import begin
 from somo_cli.simulation.integrator.kinematic_object import KinematicObjectStepper
-from somo_cli.simulation.integrator.prescribed_base import PrescribedBaseStepper
+from somo_cli.simulation.integrator.prescribed_base import PrescribedBase
 from somo_cli.simulation.loop import SimulationLoop
 from somo_cli.simulation.monitoring.contact_events import ContactEvent, ContactMonitor
 from somo_cli.simulation.monitoring.divergence import DivergenceMonitor
@@ -103,8 +104,14 @@ def _body_stepper(plan: Plan, world: World, number: int) -> BodyStepper:
     body, world_body = plan.bodies[number], world.bodies[number]
     if body.path is not None:
         moved = cast(WorldPrescribedBody, world_body)
-        return PrescribedBaseStepper(plan, body, moved, body.path, _contact_force_on(world, number))
-    return (FloatingBaseStepper if body.base == "free" else BodyStepper)(plan, body, world_body)
+        base: FixedBase = PrescribedBase(
+            plan, body, moved, body.path, _contact_force_on(world, number)
+        )
+    elif body.base == "free":
+        base = FloatingBase(plan, body, world_body)
+    else:
+        base = FixedBase(body, world_body)
+    return BodyStepper(plan, body, world_body, base)
 
 
 def _kinematic_objects(plan: Plan, world: World) -> list[KinematicObjectStepper]:

@@ -18,6 +18,8 @@ from somo_cli.simulation.engine.bullet.body import BulletBody
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.integrator.body_stepper import BodyStepper
 from somo_cli.simulation.integrator.implicit_law import SpringDamperLaw
+from somo_cli.simulation.integrator.joint_inertia import JointInertia
+from somo_cli.simulation.integrator.joint_work import JointWork
 from somo_cli.simulation.loop import SimulationLoop
 from somo_cli.simulation.monitoring.divergence import DivergenceMonitor
 from somo_cli.simulation.plan.model import Plan
@@ -30,13 +32,13 @@ PARTS: dict[str, tuple[tuple[type | Any, str], ...]] = {
     "engine: inverse dynamics": ((BulletBody, "bias"),),
     "engine: inertia": ((BulletBody, "mass_matrix"),),
     "law: corrected torques": ((SpringDamperLaw, "correct"),),
-    "law: new inertia": ((SpringDamperLaw, "refresh"), (BodyStepper, "refresh")),
+    "law: new inertia": ((SpringDamperLaw, "refresh"), (JointInertia, "refresh")),
     "looks: whether a correction may be held": ((BodyStepper, "apply_at_check"),),
     "actuation": ((BodyStepper, "actuate"), (SimulationLoop, "_is_steady")),
     "watch": (
         (BodyStepper, "measure"),
-        (BodyStepper, "count_step_work"),
-        (BodyStepper, "count_work"),
+        (JointWork, "count_step"),
+        (JointWork, "count"),
         (DivergenceMonitor, "update"),
     ),
     "loop": ((SimulationLoop, "advance"),),

@@ -16,8 +16,8 @@ from somo_cli.arrays import Array
 from somo_cli.simulation.dynamics.chain_dynamics import skew_matrices
 from somo_cli.simulation.engine.interface import WorldFreeBody, WorldObject
 from somo_cli.simulation.integrator.body_stepper import BodyStepper
-from somo_cli.simulation.integrator.floating_base import FloatingBaseStepper
-from somo_cli.simulation.integrator.prescribed_base import PrescribedBaseStepper
+from somo_cli.simulation.integrator.floating_base import FloatingBase
+from somo_cli.simulation.integrator.prescribed_base import PrescribedBase
 
 
 class Part(Protocol):
@@ -93,9 +93,9 @@ class Joints:
 class JointsOnMovedBase(Joints):
     """Joints, then the base, which moves as its path says, whatever touches it."""
 
-    def __init__(self, stepper: PrescribedBaseStepper) -> None:
+    def __init__(self, stepper: BodyStepper, base: PrescribedBase) -> None:
         super().__init__(stepper)
-        self._moved = stepper
+        self._base = base
         self.size = self.joints + 6
 
     def _with_base(self, moved: Array, arms: Array) -> Array:
@@ -110,7 +110,7 @@ class JointsOnMovedBase(Joints):
         """Fill in the coordinates now, and at the end of the coming step, (size,) each."""
         n = self.joints
         super().write(now[:n], coming[:n])
-        now[n:], coming[n:] = self._moved.base_motion
+        now[n:], coming[n:] = self._base.motion
 
 
 class JointsOnFreeBase(Joints):
@@ -121,7 +121,7 @@ class JointsOnFreeBase(Joints):
     the joints feel contact by J_j - J_b G', and the compliances of both add up.
     """
 
-    def __init__(self, stepper: FloatingBaseStepper) -> None:
+    def __init__(self, stepper: BodyStepper) -> None:
         super().__init__(stepper)
         self._body = cast(WorldFreeBody, stepper.world_body)
         self.size = self.joints + 6
@@ -200,10 +200,10 @@ class Object:
 
 def coordinates_of(stepper: BodyStepper) -> Joints:
     """Return the coordinates of a body."""
-    if isinstance(stepper, FloatingBaseStepper):
+    if isinstance(stepper.base, FloatingBase):
         return JointsOnFreeBase(stepper)
-    if isinstance(stepper, PrescribedBaseStepper):
-        return JointsOnMovedBase(stepper)
+    if isinstance(stepper.base, PrescribedBase):
+        return JointsOnMovedBase(stepper, stepper.base)
     return Joints(stepper)
 
 

@@ -1,4 +1,4 @@
-"""A body whose base is free: its base, too, feels Coriolis forces half a step too early."""
+"""A base that nothing holds: it feels Coriolis forces half a step too early, as joints do."""
 
 from __future__ import annotations
 
@@ -10,43 +10,47 @@ from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
+from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.engine.interface import WorldBody
-from somo_cli.simulation.integrator.body_stepper import BodyStepper
-from somo_cli.simulation.integrator.implicit_law import SMOOTH, limited_change
+from somo_cli.simulation.integrator.energy_bound import BodyEnergy
+from somo_cli.simulation.integrator.fixed_base import FixedBase
+from somo_cli.simulation.integrator.implicit_law import SMOOTH, SpringDamperLaw, limited_change
 from somo_cli.simulation.plan.model import Body, Plan
 
 
-class FloatingBaseStepper(BodyStepper):
-    """One body with a free base in motion; see `BodyStepper`.
+class FloatingBase(FixedBase):
+    """A base in free motion.
 
-    The correction has a part for the joints and a wrench for the base. The law knows what of it
-    the joints feel; the rest is added to its torques, and the wrench is applied to the base.
-    Without it the momentum of a body in free flight would drift with the first order of the step;
-    it is renewed in every step, because what holding costs would add up in the momentum.
-    Loads act in the same two parts.
+    The correction of Coriolis forces has a part for the joints and a wrench for the base. The law
+    knows what of both the joints feel; the rest is added to its torques, and the wrench is applied
+    to the base. Without the wrench the momentum of a body in free flight would drift with the first
+    order of the step. The correction is refreshed in every step, because the error of reuse would
+    add up in the momentum. Loads act in the same two parts.
     """
 
+    energy_includes_base = True
+
     def __init__(self, plan: Plan, body: Body, world_body: WorldBody) -> None:
+        super().__init__(body, world_body)
+        count = len(body.chain.joints)
+        self.counts_load_power = bool(body.loads)
+        self.apply = self._apply_with_loads
+        self._gravity = plan.gravity
         self._spin: Array = np.array(body.start.angular_velocity)
         self._previous_spin = self._spin
         self._spin_change: Array = np.zeros(3)  # by how much the spin changed in the last step
         self._velocity: Vector = body.start.linear_velocity  # of the base's centre of mass
-        self._load: Array = np.zeros(6 + len(body.chain.joints))
+        self._load: Array = np.zeros(6 + count)
         # of the loads: on the base, in its own axes, and on the joints beyond what the law knows
         self._base_wrench: Array = np.zeros(6)
-        self._residual_torques: Array = np.zeros(len(body.chain.joints))
-        self._ahead: tuple[Array, Pose] = np.zeros(0), Pose()  # correction on all, and centre
-        super().__init__(plan, body, world_body)
-        self._working_torques = self.actuation
+        self._residual_torques: Array = np.zeros(count)
+        self._predicted: tuple[Array, Pose] = (
+            np.zeros(0),
+            Pose(),
+        )  # correction, (6 + n,), and centre
 
-    def set_start_force(self, force: Array, rates: Array) -> None:
-        """Take the force measured at the start, and let the spin half a step on be the start's."""
-        super().set_start_force(force, rates)
-        self._previous_spin = 3 * self._spin - 2 * np.array(self.body.start.angular_velocity)
-        self._spin_change = self._spin - self._previous_spin
-
-    def _make_read_state(self) -> Callable[[], None]:
-        read_joints = super()._make_read_state()
+    def reader(self, read_joints: Callable[[], None]) -> Callable[[], None]:
+        """Return the function that reads the state of joints and base after a step."""
 
         def read_state() -> None:
             read_joints()
@@ -56,59 +60,46 @@ class FloatingBaseStepper(BodyStepper):
 
         return read_state
 
-    def _apply_load(self, load: Array) -> None:
+    def add_load(self, load: Array, actuation: Array, law: SpringDamperLaw) -> None:
+        """Add what the joints feel of loads to the actuation of the law; keep the rest."""
         self._load = load
         own = self.world_body.to_base_axes(load)
         joint_torques = self.world_body.equivalent_joint_torques(own)
-        np.add(self.actuation, joint_torques, self.law.actuation)
+        np.add(actuation, joint_torques, law.actuation)
         self._base_wrench, self._residual_torques = own[:6], own[6:] - joint_torques
 
-    def count_step_work(self) -> None:
-        """Count the work of the last step; loads act on the base as well."""
-        super().count_step_work()
-        if self.loads is not None:
-            motion = [*self._spin, *self._velocity, *self._rates]
-            self._step_powers += self._load.dot(motion)
+    def load_power(self, rates: Array) -> float:
+        """Return the power of the loads on base and joints in the last step."""
+        power: float = self._load.dot([*self._spin, *self._velocity, *rates])
+        return power
 
-    def _update_energy(self) -> None:
-        super()._update_energy()
-        law, base = self.law, self.world_body.base_pose()
+    def mark_start(self) -> None:
+        """Let the spin half a step on from here be that of the start."""
+        self._previous_spin = 3 * self._spin - 2 * np.array(self.body.start.angular_velocity)
+        self._spin_change = self._spin - self._previous_spin
+
+    def can_reuse_correction(self) -> bool:
+        """Return False: the correction of the base is refreshed in every step."""
+        return False
+
+    def update_energy(
+        self, energy: BodyEnergy, law: SpringDamperLaw, dynamics: Callable[[], ChainDynamics]
+    ) -> None:
+        """Add the base: its measured energy where it can touch something, else how far it fell."""
+        base = self.world_body.base_pose()
         if not law.detects_impacts:
             moved = geometry.subtract(base.position, self.body.start.position)
-            self.energy.bound_base_fall(geometry.norm(moved))
+            energy.bound_base_fall(geometry.norm(moved))
             return
-        pose = self.dynamics().at(law.angles, base)
+        pose = dynamics().at(law.angles, base)
         velocity, spin = self.world_body.base_velocity()
         kinetic = pose.kinetic_energy([*spin, *velocity, *law.rates])
-        self.energy.set_whole_energy(kinetic, pose.gravity_energy(self._gravity))
+        energy.set_whole_energy(kinetic, pose.gravity_energy(self._gravity))
 
-    def gravity_work(self) -> float:
-        """Return nothing: the energy of the whole body counts it."""
-        return 0.0
-
-    def apply(self, torques: Sequence[float]) -> None:
-        """Apply torques of the law, and what of the loads the law cannot know."""
-        if self.loads is not None:
-            self.world_body.apply_base_wrench(self._base_wrench)
-            torques = (self._residual_torques + torques).tolist()
-        self.world_body.apply(torques)
-
-    def _make_apply_reused(self) -> Callable[[], None]:
-        return self.law.make_reuse(self.apply)
-
-    def _reuse_steps(self, change: Array) -> int:
-        return 1
-
-    def _predict_corrected(self) -> None:
-        law, world = self.law, self.world_body
-        angles = law.angles.tolist()
-        spin_change = self._spin - self._previous_spin
-        if law.detects_impacts:
-            spin_change, self._spin_change = (
-                limited_change(spin_change, self._spin_change, SMOOTH / law.time_step),
-                spin_change,
-            )
-        coming_spin = (self._spin + 0.5 * spin_change).tolist()
+    def predict(self, law: SpringDamperLaw) -> None:
+        """Have the law predict the coming step, with what the joints feel of the base's forces."""
+        world, angles = self.world_body, law.angles.tolist()
+        coming_spin = self._coming_spin(law)
         centre = world.base_inertial_pose()
         present = world.bias(angles, law.rates.tolist(), self._spin.tolist(), centre)
         change: Array = np.empty(len(present))
@@ -119,16 +110,35 @@ class FloatingBaseStepper(BodyStepper):
             return world.equivalent_joint_torques(coming)
 
         law.predict(world.equivalent_joint_torques(present), joint_bias_at)
-        self._ahead = change, centre
+        self._predicted = change, centre
 
-    def _finish_corrected(self, change: Array | None = None) -> None:
-        law, world = self.law, self.world_body
-        ahead, centre = self._ahead
+    def finish(self, law: SpringDamperLaw, change: Array | None) -> None:
+        """Apply the torques of the predicted step, and the wrench of the base."""
+        world = self.world_body
+        correction, centre = self._predicted
         torques = law.settle(change)
-        residual_torques = ahead[6:] - law.correction  # of which the law knows what the joints feel
-        wrench = ahead[:6]
-        if self.loads is not None:
+        # the law knows what the joints feel of the correction
+        residual_torques = correction[6:] - law.correction
+        wrench = correction[:6]
+        if self.counts_load_power:
             wrench += self._base_wrench
             residual_torques += self._residual_torques
         world.apply_base_wrench(wrench, centre)
         world.apply((residual_torques + torques).tolist())
+
+    def _coming_spin(self, law: SpringDamperLaw) -> list[float]:
+        """Return the angular velocity at the instant of the angles, without that of impacts."""
+        change = self._spin - self._previous_spin
+        if law.detects_impacts:
+            change, self._spin_change = (
+                limited_change(change, self._spin_change, SMOOTH / law.time_step),
+                change,
+            )
+        coming: list[float] = (self._spin + 0.5 * change).tolist()
+        return coming
+
+    def _apply_with_loads(self, torques: Sequence[float]) -> None:
+        if self.counts_load_power:
+            self.world_body.apply_base_wrench(self._base_wrench)
+            torques = (self._residual_torques + torques).tolist()
+        self.world_body.apply(torques)

@@ -78,7 +78,7 @@ def _trial_forces(
 def _prepare(body_stepper: BodyStepper) -> None:
     """Read the state of a body at its start, and set what acts on it there."""
     body_stepper.read_state()
-    body_stepper.refresh()
+    body_stepper.inertia.refresh()
     _check_joint_inertia(body_stepper.body, body_stepper.mass)
     body_stepper.mass_at_start = body_stepper.mass
     body_stepper.actuate(0.0)
@@ -130,7 +130,7 @@ def _set_half_step_velocities(
     for body_stepper, force in zip(body_steppers, forces, strict=True):
         acceleration = body_stepper.law.acceleration(body_stepper.mass, force)
         torques = body_stepper.mass @ acceleration - force
-        body_stepper.apply(torques.tolist())
+        body_stepper.base.apply(torques.tolist())
         accelerations.append(acceleration)
     world.step()
     for body_stepper, acceleration, base in zip(body_steppers, accelerations, bases, strict=True):

@@ -84,7 +84,7 @@ class BodyRowBuffer:
         self._motions[row] = self._motion
         self._masses.append(body_stepper.mass)
         if self._records_actuation:
-            self._actuation[row] = body_stepper.si_actuation()
+            self._actuation[row] = body_stepper.actuation.si_torques()
         if self._records_base_pose:
             self._bases.append(body_stepper.world_body.base_pose())
         if self._records_base_velocity:

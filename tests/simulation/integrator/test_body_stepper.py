@@ -119,7 +119,7 @@ def test_the_mass_matrix_is_renewed_when_the_joints_have_moved() -> None:
     for move, renewed in ((0.0, 0), (1e-4, 0), (1.0, 1), (1e-4, 0), (-1.0, 1)):
         body.angles = body.angles + move
         body_stepper.read_state()
-        body_stepper.refresh_if_moved()
+        body_stepper.inertia.refresh_if_moved()
         assert body.mass_matrices - before == renewed, move
         before = body.mass_matrices
 
@@ -165,8 +165,8 @@ def test_how_near_a_limit_is_is_asked_only_where_it_matters() -> None:
     ):
         world.bodies[0].angles = np.full(2, angle)
         body_stepper.read_state()
-        body_stepper.refresh_if_moved()
-        assert body_stepper._clearance(enough) == pytest.approx(room), (angle, enough)
+        body_stepper.inertia.refresh_if_moved()
+        assert body_stepper.inertia.clearance(enough) == pytest.approx(room), (angle, enough)
 
 
 @pytest.mark.parametrize("joints", [(0,), (5,), (0, 1, 2), (1, 3, 5), (0, 2, 3), (0, 1, 3, 4)])
