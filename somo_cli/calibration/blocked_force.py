@@ -13,7 +13,7 @@ from scipy.optimize import root
 
 from somo_cli.arrays import Array
 from somo_cli.calibration.moment_arms import MomentArms
-from somo_cli.manipulator import chain
+from somo_cli.manipulator.chain_build import build_chain
 from somo_cli.manipulator.definition import Definition
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics, ChainPose
 
@@ -42,7 +42,7 @@ def blocked_equilibrium(
     one = definition.actuators[actuator]
     if force == 0:
         return BlockedEquilibrium(0.0, np.zeros(one.n_segments))
-    alone = chain.build(replace(definition, base=None, actuators=(one,), tips=()))
+    alone = build_chain(replace(definition, base=None, actuators=(one,), tips=()))
     body = ChainDynamics(alone)
     if not (body.stiffness > 0).all():
         return None

@@ -1,1 +1,1 @@
-"""What a definition means, and its URDF: pure functions from values to values."""
+"""Definitions to chains of links and joints, and to URDF: pure functions from values to values."""

@@ -1,6 +1,6 @@
-"""Definition to Chain, that of an assembly too: its limbs' chains on one root, the body.
+"""Definition to Chain, also of an assembly: the chains of its limbs on one root, the body.
 
-What a limb has before its first joint is lumped into the body, as the parts of any link are.
+The part of a limb before its first joint is lumped into the body.
 """
 
 from __future__ import annotations
@@ -8,16 +8,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from somo_cli.manipulator import chain, geometry, solids
+from somo_cli.manipulator import geometry, solids
 from somo_cli.manipulator.chain import Chain, Joint, Limb, Link, Shape
+from somo_cli.manipulator.chain_build import build_chain
 from somo_cli.manipulator.definition import Definition, LimbDefinition
 
 
 def build(definition: Definition) -> Chain:
-    """Return the chain of a definition; never fails for one that was read without faults."""
+    """Return the chain of a definition, in its unit; never fails for one without errors."""
     if not definition.limbs:
-        return chain.build(definition)
-    body = chain.build(replace(definition, actuators=(), limbs=())).links[0]
+        return build_chain(definition)
+    body = build_chain(replace(definition, actuators=(), limbs=())).links[0]
     alone = tuple(_chains_alone(definition))
     pairs = tuple(zip(definition.limbs, alone, strict=True))
     joints: list[Joint] = []
@@ -48,12 +49,12 @@ def _chains_alone(definition: Definition) -> Iterator[Chain]:
     first = 0
     for limb in definition.limbs:
         actuators = definition.actuators[first : first + limb.n_actuators]
-        yield chain.build(Definition(limb.name, None, limb.base, actuators, limb.tips))
+        yield build_chain(Definition(limb.name, None, limb.base, actuators, limb.tips))
         first += limb.n_actuators
 
 
 def _with_roots(body: Link, limbs: tuple[tuple[LimbDefinition, Chain], ...]) -> Link:
-    """Return the body with the root links of the limbs, where they are mounted, part of it."""
+    """Return the body with the root link of each limb lumped into it where the limb is mounted."""
     inertials, shapes = [body.inertial], [*body.shapes]
     for limb, one in limbs:
         root, rotation = one.links[0], geometry.rotation_from_rpy(limb.rpy)
@@ -63,7 +64,7 @@ def _with_roots(body: Link, limbs: tuple[tuple[LimbDefinition, Chain], ...]) -> 
 
 
 def _moved(shape: Shape, limb: LimbDefinition) -> Shape:
-    """Return a shape given in the base frame of a limb as one in that of the body."""
+    """Return a shape that is given in the base frame of a limb in the frame of the body."""
     rotation = geometry.rotation_from_rpy(limb.rpy)
     turned = geometry.multiply(rotation, geometry.rotation_from_rpy(shape.rpy))
     return replace(
@@ -74,7 +75,7 @@ def _moved(shape: Shape, limb: LimbDefinition) -> Shape:
 
 
 def _mounted(joint: Joint, limb: LimbDefinition, first: int, first_actuator: int) -> Joint:
-    """Return a joint of a limb by itself as that of an assembly in which `first` joints precede."""
+    """Return a joint of a limb as one of the assembly, where `first` joints precede the limb."""
     joint = replace(
         joint, name=f"{limb.name}_{joint.name}", actuator=first_actuator + joint.actuator
     )

@@ -1,4 +1,4 @@
-"""Faults of meaning in an assembly, each with its place; those of its limbs come along."""
+"""Errors and warnings about an assembly and its limbs that a schema cannot express."""
 
 from __future__ import annotations
 
@@ -6,18 +6,19 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from somo_cli.document.parse import Document
-from somo_cli.manipulator import assembly, assembly_chain, chain, definition_checks
+from somo_cli.manipulator import assembly, assembly_chain, definition_checks, link_checks
 from somo_cli.manipulator import read as manipulator_read
+from somo_cli.manipulator.chain_build import build_chain
 from somo_cli.manipulator.definition import MAXIMUM_JOINTS
-from somo_cli.manipulator.definition_checks import IsSound
 from somo_cli.manipulator.dimensions import Scale
+from somo_cli.manipulator.link_checks import IsSound
 from somo_cli.problems import Pointer, Problem, has_errors
 
 
 def assembly_problems(document: Document, at: Pointer, is_sound: IsSound) -> Iterator[Problem]:
-    """Yield errors and warnings about the definition or assembly at a pointer.
+    """Yield the errors and warnings about the definition or assembly at a pointer.
 
-    Parts that are unsound are skipped.
+    Parts in which the schema found errors are skipped.
     """
     data = document.at(at)
     if not isinstance(data, Mapping) or not assembly.is_assembly(data):
@@ -27,7 +28,7 @@ def assembly_problems(document: Document, at: Pointer, is_sound: IsSound) -> Ite
         place = (*at, "urdf_filename")
         yield from definition_checks.filename_problems(document, place, data["urdf_filename"])
     if isinstance(data.get("body_definition"), Mapping):
-        yield from definition_checks.link_problems(document, (*at, "body_definition"), is_sound)
+        yield from link_checks.link_problems(document, (*at, "body_definition"), is_sound)
     found: list[Problem] = []
     for index, limb in _limbs(data):
         found.extend(_limb_problems(document, (*at, "limbs", index), limb, is_sound))
@@ -39,7 +40,10 @@ def assembly_problems(document: Document, at: Pointer, is_sound: IsSound) -> Ite
 
 
 def wrong_file_kinds(document: Document, at: Pointer) -> Mapping[Pointer, Problem]:
-    """Return what to say in place of everything that makes another kind of file no limb."""
+    """Return, by pointer, one error for each limb that is a file of another kind.
+
+    It replaces the errors of the schema below that pointer.
+    """
     data = document.at(at)
     found: dict[Pointer, Problem] = {}
     if not isinstance(data, Mapping) or not assembly.is_assembly(data):
@@ -78,7 +82,7 @@ def _limb_problems(
     yield from found
     if not is_sound(place) or has_errors(found):
         return
-    if not chain.build(manipulator_read.read(document, place)).joints:
+    if not build_chain(manipulator_read.read(document, place)).joints:
         yield Problem(
             document.span(place),
             "no joint of this limb moves",
@@ -104,7 +108,7 @@ def _name_problems(
 def _scale_problems(
     document: Document, at: Pointer, data: Mapping[str, Any], is_sound: IsSound
 ) -> Iterator[Problem]:
-    """Refuse to choose between limbs that ask for different scales."""
+    """Yield an error for each limb with another world scale than the first, if it matters."""
     if "world_scale" in data:
         return
     first = None

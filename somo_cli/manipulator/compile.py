@@ -1,4 +1,4 @@
-"""The whole compiler on one screen: Document → faults, Definition → Chain → scaled Chain → URDF."""
+"""The compiler: a document to its problems, its definition, its chain and its URDF."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ FILE_POINTERS: tuple[tuple[str, ...], ...] = (
 
 @dataclass(frozen=True, slots=True)
 class Compiled:
-    """A definition and its chain in the unit of the file, with the scale its file asks for."""
+    """A definition and its chain in the unit of the file, and the world scale of the file."""
 
     definition: Definition
     chain: Chain
@@ -44,11 +44,11 @@ class Compiled:
         return scaled(self.chain, scale)
 
     def urdf(self, scale: Scale | None = None, tip_frame: str | None = None) -> str:
-        """Return the URDF, scaled as asked, else as the file says, else by 1."""
+        """Return the URDF in the units of a scale, by default that of the file, else 1."""
         return urdf.render(self.scaled_chain(scale or self.scale or Scale()), tip_frame)
 
     def described(self, scale: Scale) -> str:
-        """Say in a line what was compiled, in the unit of the file."""
+        """Return one line about what was compiled, in the unit of the file."""
         links = self.chain.links
         limbs = f"{len(self.chain.limbs)} limbs, " if self.chain.limbs else ""
         mass = sum(link.inertial.mass for link in links)
@@ -59,19 +59,19 @@ class Compiled:
 
 
 def document_problems(document: Document) -> tuple[Problem, ...]:
-    """Return every error and warning about a definition or an assembly, of shape and of meaning."""
+    """Return every error and warning about a definition or an assembly, in reading order."""
     schema = "assembly" if assembly.is_assembly(document.data) else "manipulator"
     shape = schema_problems(document, schema)
     is_sound = soundness_test(shape, unresolved_references(document, FILE_POINTERS))
     wrong_kinds = assembly_checks.wrong_file_kinds(document, ())
-    problems = [fault.problem for fault in shape if fault.pointer[:3] not in wrong_kinds]
+    problems = [one.problem for one in shape if one.pointer[:3] not in wrong_kinds]
     problems.extend(wrong_kinds.values())
     problems.extend(assembly_checks.assembly_problems(document, (), is_sound))
     return in_reading_order(problems, document.texts)
 
 
 def compile_sound(document: Document, at: Pointer, warnings: tuple[Problem, ...]) -> Compiled:
-    """Compile the definition at a pointer, in which no error was found."""
+    """Return what the definition at a pointer compiles to; it has no errors."""
     definition = assembly.read(document, at)
     scale = assembly.world_scale(document, at)
     return Compiled(definition, assembly_chain.build(definition), scale, warnings)
@@ -92,7 +92,7 @@ class DefinitionCompiler:
 
 
 def compile_definition(document: Document) -> Compiled:
-    """Compile a definition; raise InvalidFile with all its faults if one is an error."""
+    """Return what a definition compiles to; raise InvalidFile, with all problems, for errors."""
     problems = document_problems(document)
     if has_errors(problems):
         raise InvalidFile(problems, document.texts)

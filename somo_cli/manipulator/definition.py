@@ -1,7 +1,7 @@
-"""The manipulator as a person describes it: frozen dataclasses, lengths along the backbone +z.
+"""The manipulator as a file describes it. The backbone runs along +z.
 
-Quantities are in the unit of the file: SI, where the file has a `world_scale`; what SoMo calls
-simulation units in a SoMo file, whose world scale is 1.
+Quantities are in the unit of the file: SI if it has a `world_scale`. Files of SoMo have a world
+scale of 1, and are in what SoMo calls simulation units.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ JointType = Literal["revolute", "continuous", "fixed"]
 Placement = Literal["uniform", "gauss"]
 
 MAXIMUM_JOINTS = 121
-"""PyBullet 3.2.7 silently ignores every command to the 122nd joint of a body and later ones."""
+"""PyBullet 3.2.7 silently ignores every command to the 122nd joint of a body and beyond."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,10 +45,10 @@ class Material:
 
 @dataclass(frozen=True, slots=True)
 class LinkDefinition:
-    """A rigid body of a primitive shape, centred on the backbone but for its offset.
+    """A rigid body of a primitive shape, centred on the backbone and then moved by its offset.
 
-    `solid` is the part that has the mass: for a stadium the box between the rounded ends, for a
-    capsule the cylinder between its caps. `inertia` is None where the solid's own is meant.
+    `solid` is the part that has the mass: of a stadium the box between the round ends, of a
+    capsule the cylinder between its caps. Without an `inertia` the solid is homogeneous.
     """
 
     shape_type: ShapeType
@@ -62,7 +62,7 @@ class LinkDefinition:
 
     @property
     def height(self) -> float:
-        """BoundingBox along the backbone."""
+        """The extent along the backbone."""
         return self.solid.height
 
 
@@ -70,7 +70,7 @@ class LinkDefinition:
 class JointDefinition:
     """A hinge with a spring, a damper and dry friction; `offset` moves it off the backbone.
 
-    `torque_per_pressure` is None where the actuator's pressure is not known to bend it.
+    `torque_per_pressure` is None if the file does not give it.
     """
 
     joint_type: JointType
@@ -89,12 +89,12 @@ class JointDefinition:
 
 @dataclass(frozen=True, slots=True)
 class ActuatorDefinition:
-    """`n_segments` joints between links of one shape, placed as `placement` says.
+    """`n_segments` joints between links of one shape, base to tip.
 
-    `joints` has one entry per joint, base to tip, each as an evenly placed one would be;
-    `channels` says for each which of the actuator's axes drives it, `spans` how much backbone it
-    stands for, and `shares` that over what an evenly placed one does. `fractions` holds the
-    lengths of the links, one more, over that of `link`; evenly placed, the end links are halves.
+    For each joint, `joints` has its properties if it were evenly placed, `channels` the axis of the
+    actuator that drives it, and `spans` the length of backbone that it represents; `shares` is that
+    length relative to an evenly placed joint's. `fractions` has the lengths of the links relative
+    to `link`, one more than there are joints; with even placement both end links are halves.
     """
 
     link: LinkDefinition
@@ -113,10 +113,10 @@ class ActuatorDefinition:
 
 @dataclass(frozen=True, slots=True)
 class LimbDefinition:
-    """One manipulator of an assembly: its name, its own base and tips, where it is mounted.
+    """One manipulator of an assembly: its name, pose, base and tips.
 
-    `position` and `rpy` are the pose of its base frame in the body's. It has the next `n_actuators`
-    of the actuators of the assembly.
+    `position` and `rpy` are the pose of its base frame in the frame of the body. Its actuators are
+    the next `n_actuators` of the assembly's.
     """
 
     name: str
@@ -129,10 +129,10 @@ class LimbDefinition:
 
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """A whole manipulator: an optional base, actuators in series, any number of tips.
+    """A manipulator, which has an optional base, actuators in series and any number of tips.
 
-    An assembly has limbs as well: then `base` is its body, `actuators` holds those of limb after
-    limb, each base to tip, and the tips are the limbs'.
+    Or an assembly, which has limbs: `base` is then its body, `actuators` has those of all limbs,
+    limb after limb, each base to tip, and the tips are in the limbs.
     """
 
     name: str
@@ -143,7 +143,7 @@ class Definition:
     limbs: tuple[LimbDefinition, ...] = ()
 
     def actuators_of(self, limb: str) -> range:
-        """Return the numbers of the actuators of the limb of this name."""
+        """Return the numbers of the actuators of a limb; raise KeyError without it."""
         first = 0
         for one in self.limbs:
             if one.name == limb:
@@ -153,4 +153,4 @@ class Definition:
 
 
 WorldScale: TypeAlias = Scale | None
-"""None where the file does not say, which means 1."""
+"""None if the file does not give it: the scale is then 1."""

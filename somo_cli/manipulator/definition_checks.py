@@ -1,26 +1,26 @@
-"""Faults of meaning in a definition: what a schema cannot say, each with its place in the file."""
+"""Errors and warnings about a definition that a schema cannot express."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any, TypeAlias
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 from somo_cli.document.parse import Document
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.definition import MAXIMUM_JOINTS
+from somo_cli.manipulator.link_checks import IsSound, link_problems
 from somo_cli.manipulator.read import link_from
 from somo_cli.problems import Pointer, Problem
 
-IsSound: TypeAlias = Callable[[Pointer], bool]
-"""Whether the schema found no fault at a pointer or below it."""
-
 LENGTH_TOLERANCE = 1e-6  # relative; 3 * 0.1 must equal 0.3
-INERTIA_FACTOR = 10.0  # beyond this ratio to the solid's inertia a declared one is suspicious
 
 
 def definition_problems(document: Document, at: Pointer, is_sound: IsSound) -> Iterator[Problem]:
-    """Yield errors and warnings about the definition at a pointer, skipping unsound parts."""
+    """Yield the errors and warnings about the definition at a pointer.
+
+    Parts in which the schema found errors are skipped.
+    """
     data = document.at(at)
     if not isinstance(data, Mapping):
         return
@@ -62,7 +62,7 @@ def _top_level_problems(
 
 
 def filename_problems(document: Document, at: Pointer, filename: str) -> Iterator[Problem]:
-    """Yield the fault of a `urdf_filename` that is more than a name."""
+    """Yield the problem of a `urdf_filename` that is not just a file name."""
     parts = filename.replace("\\", "/").split("/")
     hint = "give a name without a folder; choose the folder with -o"
     if parts[0] in ("", "~") or ".." in parts or parts[-1] in ("", ".") or ":" in filename:
@@ -206,62 +206,6 @@ def _joint_problems(document: Document, at: Pointer, data: Mapping[str, Any]) ->
         )
 
 
-def link_problems(document: Document, at: Pointer, is_sound: IsSound) -> Iterator[Problem]:
-    """Yield errors and warnings about the link at a pointer."""
-    data = document.at(at)
-    if not is_sound(at) or not isinstance(data, Mapping):
-        return
-    if data["shape_type"] in ("cylinder", "capsule") and len(data["dimensions"]) == 3:
-        yield Problem(
-            document.span((*at, "dimensions", 2)),
-            f"a {data['shape_type']} has [height, radius]; the third value is ignored",
-            severity="warning",
-        )
-    if data.get("inertial_values") is not None:
-        yield from _inertia_problems(document, at, data)
-
-
-def _inertia_problems(
-    document: Document, at: Pointer, data: Mapping[str, Any]
-) -> Iterator[Problem]:
-    link = link_from(data)
-    assert link.inertia is not None
-    place = document.span((*at, "inertial_values"))
-    own = geometry.principal_moments(link.solid.inertia(link.mass))
-    declared = geometry.principal_moments(link.inertia)
-    ownership = "the solid's own is [" + ", ".join(f"{moment:.3g}" for moment in own) + "]"
-    slack = 1e-9 * abs(declared[2])
-    if declared[0] <= 0:
-        yield Problem(
-            place,
-            f"no body has this inertia: a principal moment is {declared[0]:.3g}",
-            f"leave inertial_values out; {ownership}",
-            "warning",
-            "impossible-inertia",
-        )
-    elif declared[0] + declared[1] < declared[2] - slack:
-        yield Problem(
-            place,
-            f"no body has this inertia: its principal moments {declared[0]:.3g} and "
-            f"{declared[1]:.3g} add up to less than the third, {declared[2]:.3g}",
-            f"leave inertial_values out; {ownership}",
-            "warning",
-            "impossible-inertia",
-        )
-    else:
-        ratios = [d / o if o > 0 else math.inf for d, o in zip(declared, own, strict=True)]
-        worst = max(ratios, key=lambda ratio: max(ratio, 1 / ratio if ratio > 0 else math.inf))
-        if not 1 / INERTIA_FACTOR <= worst <= INERTIA_FACTOR:
-            yield Problem(
-                place,
-                f"the declared inertia is {worst:.3g} times that of a homogeneous "
-                f"{data['shape_type']} of this size and mass",
-                f"leave inertial_values out; {ownership}",
-                "warning",
-                "declared-inertia",
-            )
-
-
 def _joint_count_problems(
     document: Document, at: Pointer, actuators: Sequence[Any], is_sound: IsSound
 ) -> Iterator[Problem]:
@@ -279,7 +223,7 @@ def _joint_count_problems(
 
 
 def _moving_joints(actuator: Mapping[str, Any]) -> int:
-    """Return how many of the actuator's joints move; its definitions are taken in turn."""
+    """Return the number of joints of an actuator that move; its joint definitions take turns."""
     segments = actuator.get("n_segments", 0)
     kinds = [
         joint.get("joint_type") if isinstance(joint, Mapping) else None

@@ -1,8 +1,8 @@
-"""Quantities with their dimension (Length, Stiffness, ...), Scale, and `scaled(quantities, scale)`.
+"""Quantities with their dimensions, the world scale, and dataclasses scaled by it.
 
-A quantity is a float whose annotation carries its dimension. `scaled` reads the annotations of
-a frozen dataclass, recursively, so that a new field cannot be forgotten: a bare `float` is
-refused. Angles and pure numbers are `Angle` and `Number`, which no scale changes.
+A quantity is a float whose annotation has its dimension. `scaled` reads the annotations of a frozen
+dataclass and of those in it. A field that is a bare `float` is refused, so that no field can be
+forgotten; numbers that no scale changes are `Angle` and `Number`.
 """
 
 from __future__ import annotations
@@ -51,10 +51,10 @@ InertiaTensor = tuple[Inertia, Inertia, Inertia, Inertia, Inertia, Inertia]
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """World scale: one metre becomes `length` engine units, one kilogram becomes `mass`.
+    """The world scale: one metre is `length` engine units, one kilogram is `mass` of them.
 
-    Time is never scaled. Force scales with length * mass, torque, stiffness, damping and
-    inertia with length² * mass, angles with 1.
+    Time is not scaled. Forces scale with length * mass; torques, stiffness, damping and inertia
+    with length² * mass; angles do not scale.
     """
 
     length: float = 1.0
@@ -65,7 +65,7 @@ class Scale:
         return float(self.length**dimension.length * self.mass**dimension.mass)
 
     def described(self) -> str:
-        """Say both factors, that of mass if it is not one."""
+        """Return the factors in words; that of mass only if it is not 1."""
         of_mass = f" (mass {self.mass:g})" if self.mass != 1 else ""
         return f"{self.length:g}{of_mass}"
 
@@ -75,9 +75,9 @@ _Scaler = Callable[[Any, Scale], Any]
 
 
 def scaled(quantities: Quantities, scale: Scale) -> Quantities:
-    """Return `quantities`, a dataclass in SI, with every quantity in the units of `scale`.
+    """Return a dataclass of quantities in SI with all of them in the units of a scale.
 
-    Raises TypeError for a field annotated with a bare float: its dimension is unknown.
+    Raises TypeError for a field whose annotation has no dimension.
     """
     kind: Any = type(quantities)
     return typing.cast(Quantities, _scaler(kind)(quantities, scale))

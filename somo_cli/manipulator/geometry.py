@@ -1,6 +1,6 @@
 """Vectors, rotations and inertia tensors in three dimensions, on plain tuples.
 
-The compiler stays free of numpy so that `somo build` starts fast.
+The compiler does without numpy, so that `somo build` starts fast.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ ZERO: Vector = (0.0, 0.0, 0.0)
 
 
 def vector(values: Iterable[float]) -> Vector:
-    """Return three numbers as a vector. Raises ValueError if there are more or fewer."""
+    """Return three numbers as a vector; raise ValueError for more or fewer."""
     x, y, z = values
     return (float(x), float(y), float(z))
 
@@ -32,6 +32,22 @@ def add(a: Vector, b: Vector) -> Vector:
 def subtract(a: Vector, b: Vector) -> Vector:
     """Return a - b."""
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+def scaled(a: Vector, factor: float) -> Vector:
+    """Return a times a factor."""
+    return (factor * a[0], factor * a[1], factor * a[2])
+
+
+def dot(a: Vector, b: Vector) -> float:
+    """Return a · b."""
+    return math.fsum(x * y for x, y in zip(a, b, strict=True))
+
+
+def cross(a: Vector, b: Vector) -> Vector:
+    """Return a x b."""
+    (x, y, z), (bx, by, bz) = a, b
+    return (y * bz - z * by, z * bx - x * bz, x * by - y * bx)
 
 
 def norm(a: Vector) -> float:
@@ -201,10 +217,17 @@ def principal_moments(tensor: Tensor) -> Vector:
     return (smallest, 3 * mean - largest - smallest, largest)
 
 
+def farthest_moment_ratio(tensor: Tensor, other: Tensor) -> float:
+    """Return the ratio of principal moments, one by the other's, that is farthest from 1."""
+    pairs = zip(principal_moments(tensor), principal_moments(other), strict=True)
+    ratios = [a / b if b > 0 else math.inf for a, b in pairs]
+    return max(ratios, key=lambda ratio: max(ratio, 1 / ratio if ratio > 0 else math.inf))
+
+
 def rotation_vector(rotation: Matrix) -> Vector:
     """Return axis times angle [rad], 0 to π, of a rotation."""
     x, y, z, w = quaternion_from_rotation(rotation)
     sine = math.hypot(x, y, z)
-    # a sine this small is its angle to rounding
+    # so small a sine equals its angle, to rounding
     factor = 2.0 if sine < 1e-8 else 2 * math.atan2(sine, w) / sine
     return (factor * x, factor * y, factor * z)

@@ -1,4 +1,4 @@
-"""A convex hull: what the engine touches of a mesh."""
+"""Convex hulls, which represent meshes in contact."""
 
 from __future__ import annotations
 

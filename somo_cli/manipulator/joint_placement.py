@@ -1,10 +1,10 @@
-"""Where along an actuator its joints stand, and how much of its backbone each stands for.
+"""Where the joints of an actuator are along its backbone, and how much of it each represents.
 
-Evenly placed joints stand in the middle of equal parts. A chain of them errs by second order in
-the number of joints. Joints at the points x_i of a Gauss rule, each standing for the part w_i of
-the length, make the work of small loads a quadrature that is exact for polynomials: a chain of
-few such joints has the tip of the beam under a force and a moment on the tip, and under its own
-weight (`calibration/deflection.py` shows it).
+Evenly placed joints are in the middle of equal parts of the backbone; the error of such a chain is
+of second order in the number of joints. Alternatively joints are at the points x_i of a Gauss rule,
+and each represents the part w_i of the length. The work of small loads is then a quadrature that is
+exact for polynomials: with few joints the tip deflects as that of the beam does, under a force or a
+moment on the tip and under its own weight.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from somo_cli.manipulator.definition import (
 )
 
 _MAX_SHIFT = 0.4
-"""How far the Gauss points of several axes move apart; from 0.5 on some would change places."""
+"""The shift that keeps Gauss points of several axes apart; from 0.5 on some change their order."""
 
 
 @dataclass(frozen=True, slots=True)
 class JointLayout:
-    """Joints along an actuator of length 1, base to tip, and the links between them.
+    """The n joints along an actuator of length 1, base to tip, and the links between them.
 
-    `places` are the joints' places, shape (n,); `shares` what part of the backbone each joint
-    stands for, over that of an evenly placed one, (n,); `fractions` the links' lengths over that
-    of a full link, 1 / n of the actuator, (n + 1,).
+    `places` has the positions of the joints, shape (n,). `shares` has the length of backbone that
+    each represents, relative to an evenly placed joint, shape (n,). `fractions` has the lengths of
+    the links relative to a full link, which is 1 / n of the actuator, shape (n + 1,).
     """
 
     places: tuple[float, ...]
@@ -40,10 +40,10 @@ class JointLayout:
 
 
 def layout(placement: Placement, channels: Sequence[int], axes: int) -> JointLayout:
-    """Return where the joints stand of which `channels` tells the axis, base to tip.
+    """Return the layout of joints whose axes are `channels`, base to tip.
 
-    `axes` is the number of axes that take turns. Each axis has its own rule, exact for its joints
-    alone; where several have as many joints, their points are kept apart.
+    `axes` is the number of axes that take turns. Each axis has its own Gauss rule, for its joints
+    alone. If several axes have the same number of joints, their points are shifted apart.
     """
     count = len(channels)
     if placement == "uniform":
@@ -68,7 +68,7 @@ def actuator_of(
     channels: tuple[int, ...],
     axes: int,
 ) -> ActuatorDefinition:
-    """Return the actuator of these joints, each given as an evenly placed one would be."""
+    """Return the actuator of these joints, which are given as if evenly placed."""
     where = layout(placement, channels, axes)
     return ActuatorDefinition(
         link=link,
@@ -82,13 +82,13 @@ def actuator_of(
 
 
 def scaled_to_share(joint: JointDefinition, share: float) -> JointDefinition:
-    """Return the joint for `share` times as much backbone, the continuum behind it kept.
+    """Return the joint that represents `share` times as much of the same continuous backbone.
 
-    Stiffness and damping fall as the joint stands for more; its angles (limits, neutral position)
-    grow, so that curvature keeps its bounds. Torques (dry friction, effort) are moments in the
-    backbone and stay.
+    Stiffness and damping are divided by the share. Angles (limits, neutral position) and the
+    velocity limit are multiplied by it, so that the bounds of curvature stay. Torques (dry
+    friction, effort) are moments in the backbone and stay.
     """
-    # a joint without limits has lower > upper, and other readers know just one such pair
+    # a joint without limits has lower > upper, a pair that URDF readers expect as it is
     limit = share if joint.lower <= joint.upper else 1.0
     return replace(
         joint,
@@ -102,13 +102,14 @@ def scaled_to_share(joint: JointDefinition, share: float) -> JointDefinition:
 
 
 def gauss(count: int, shift: float = 0.0) -> tuple[tuple[float, float], ...]:
-    """Return points and weights on [0, 1], ascending, of a Gauss rule; the weights add up to 1.
+    """Return the n points and weights of a Gauss rule on [0, 1], ascending; weights add up to 1.
 
-    The points are the zeros of P_n + c P_{n-1}, Legendre polynomials of 2 x - 1, with c the
-    `shift`, between -1 and 1: the Gauss-Legendre points for 0, exact for polynomials of degree
-    2 n - 1; else exact to 2 n - 2, and moved towards 0 for c > 0, towards 1 for c < 0, less than
-    to the next zero of P_{n-1}. All weights are positive. Shohat, Trans. Amer. Math. Soc. 42
-    (1937) 461; Davis and Rabinowitz, Methods of Numerical Integration (1984), sec. 2.7.
+    The points are the zeros of P_n + c P_{n-1}, with Legendre polynomials of 2 x - 1 and the
+    `shift` c, between -1 and 1. For c = 0 they are the Gauss-Legendre points, and the rule is exact
+    for polynomials of degree 2 n - 1; otherwise to degree 2 n - 2. For c > 0 the points move
+    towards 0, for c < 0 towards 1, by less than the distance to the next zero of P_{n-1}. All
+    weights are positive. Shohat, Trans. Amer. Math. Soc. 42 (1937) 461; Davis and Rabinowitz,
+    Methods of Numerical Integration (1984), sec. 2.7.
     """
     points = []
     for number in range(count, 0, -1):
@@ -123,7 +124,7 @@ def gauss(count: int, shift: float = 0.0) -> tuple[tuple[float, float], ...]:
                 break
         # w = 1 / sum of the squares of the orthonormal polynomials (Christoffel)
         squares = ((2 * k + 1) * value * value for k, value in enumerate(_legendre(count - 1, x)))
-        # the last digits depend on the machine's cosine
+        # rounded, since the last digits depend on the cosine of the C library
         points.append((round((x + 1) / 2, 15), round(1 / math.fsum(squares), 15)))
     return tuple(points)
 
@@ -136,7 +137,7 @@ def _shift(channel: int, numbers: Sequence[int]) -> float:
 
 
 def _first_guess(count: int, number: int, shift: float) -> float:
-    # P_n(cos t) is about cos((n + 1/2) t - pi/4) times what varies slowly (Szegő, 8.21.2)
+    # P_n(cos t) is about cos((n + 1/2) t - pi/4) times a slowly varying factor (Szegő, 8.21.2)
     angle = (number - 0.25) * math.pi / (count + 0.5)
     for _ in range(10):
         turn = math.atan2(shift * math.sin(angle), 1 + shift * math.cos(angle))

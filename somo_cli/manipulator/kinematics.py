@@ -1,4 +1,4 @@
-"""Where the links are: poses of all link frames from the base's pose and the joint angles."""
+"""Forward kinematics: poses of all link frames from the base pose and the joint angles."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from somo_cli.manipulator.geometry import Matrix, Vector
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """A frame in the world: where its origin is, and its axes as the columns of a rotation."""
+    """A frame in the world: the position of its origin, and its axes as columns of a rotation."""
 
     position: Vector = geometry.ZERO
     rotation: Matrix = geometry.IDENTITY
@@ -33,9 +33,9 @@ class Pose:
 
 
 def ways(chain: Chain) -> list[float]:
-    """Return how far from the base frame's origin that of each link can get, root first.
+    """Return the greatest distance of each link frame's origin from the base frame's, root first.
 
-    With the joints stretched out in a row, whatever their limits; in the units of the chain.
+    It is the path along the joints, in the units of the chain; joint limits are not considered.
     """
     found = [0.0]
     for joint in chain.joints:
@@ -46,8 +46,8 @@ def ways(chain: Chain) -> list[float]:
 def link_poses(chain: Chain, angles: Sequence[float], base: Pose) -> tuple[Pose, ...]:
     """Return the pose in the world of every link frame, root first.
 
-    `angles` holds one angle [rad] per joint, in their order; `base` is the pose of the root's URDF
-    frame. Positions are in the units of the chain.
+    `angles` has the angle [rad] of each joint; `base` is the pose of the root's URDF frame.
+    Positions are in the units of the chain.
     """
     poses = [base]
     for joint, angle in zip(chain.joints, angles, strict=True):

@@ -23,7 +23,7 @@ _GREY = (0.6, 0.6, 0.6, 1.0)
 
 
 def read(document: Document, at: Pointer = ()) -> Definition:
-    """Return the definition at a pointer of a document that has no faults."""
+    """Return the definition at a pointer of a document without errors."""
     data: Any = document.at(at)
     tips = data.get("tip_definitions") or []
     if data.get("tip_definition"):
@@ -39,12 +39,12 @@ def read(document: Document, at: Pointer = ()) -> Definition:
 
 
 def filename(data: Mapping[str, Any]) -> str | None:
-    """Return the name of the URDF file that a sound mapping asks for, without a folder."""
+    """Return the file name, without a folder, of `urdf_filename`; None without one."""
     return (data.get("urdf_filename") or "").replace("\\", "/").split("/")[-1] or None
 
 
 def world_scale(document: Document, at: Pointer = ()) -> WorldScale:
-    """Return the `world_scale` of the mapping at a pointer, None if it has none."""
+    """Return the `world_scale` of the mapping at a pointer; None without one."""
     data: Any = document.at(at)
     value = data.get("world_scale")
     if value is None:
@@ -55,7 +55,7 @@ def world_scale(document: Document, at: Pointer = ()) -> WorldScale:
 
 
 def link_from(data: Mapping[str, Any]) -> LinkDefinition:
-    """Return the link that a sound mapping describes."""
+    """Return the link that a mapping without errors describes."""
     inertia = data.get("inertial_values")
     offset = data.get("origin_offset") or (0,) * 6
     rgba = data.get("material_color") or _GREY
@@ -72,7 +72,7 @@ def link_from(data: Mapping[str, Any]) -> LinkDefinition:
 
 
 def solid_from(shape_type: str, dimensions: list[float]) -> Solid:
-    """Return the solid that has the mass of a link of this shape."""
+    """Return the solid that has the mass of a link with this shape and these dimensions."""
     if shape_type in ("box", "stadium"):
         return Box(geometry.vector(dimensions))
     if shape_type in ("cylinder", "capsule"):
@@ -96,7 +96,7 @@ def _actuator(data: Mapping[str, Any]) -> ActuatorDefinition:
 
 
 def _joint(data: Mapping[str, Any]) -> JointDefinition:
-    # a joint without limits has lower > upper, which URDF readers take as unlimited too
+    # a joint without limits has lower > upper, as URDF readers expect
     lower, upper, effort, velocity = data.get("limits") or (0.0, -1.0, 0.0, 0.0)
     if data["joint_type"] == "continuous":
         lower, upper = 0.0, -1.0

@@ -1,4 +1,4 @@
-"""The same manipulator cut into another number of segments, the continuum behind it kept."""
+"""Divides a manipulator into another number of segments of the same continuous backbone."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from somo_cli.manipulator.solids import Box, Cylinder
 
 
 class NotUniform(ValueError):
-    """What varies along an actuator cannot be cut anew."""
+    """The joints or links of an actuator vary along it, so it cannot be divided anew."""
 
 
 def cut(compiled: Compiled, count: int) -> Compiled:
     """Return the manipulator with `count` segments in every actuator.
 
-    Length, mass and flexural rigidity stay: links get shorter and lighter, stiffness and damping
-    of a joint grow as the backbone it stands for shrinks, and its angles (limits, neutral
-    position) shrink with it, so that curvature keeps its bounds. Torques (dry friction, effort)
-    are moments in the backbone and stay. A declared inertia gives way to the solid's own.
+    Length, mass and flexural rigidity stay. With more segments, links are shorter and lighter,
+    joints are stiffer and more damped, and their angles (limits, neutral position) are smaller, so
+    that the bounds of curvature stay. Torques (dry friction, effort) are moments in the backbone
+    and stay. Links get the inertia of a homogeneous solid, whatever was declared.
 
-    Raises NotUniform where the joints of an actuator differ other than by axis, where a link has
-    no length to change, and where there are fewer segments than axes.
+    Raises NotUniform if joints of one axis differ, if links are spheres, and if there are fewer
+    segments than axes.
     """
     definition = replace(
         compiled.definition,
@@ -38,10 +38,9 @@ def cut(compiled: Compiled, count: int) -> Compiled:
 
 
 def per_joint(values: Sequence[float], before: Compiled, after: Compiled) -> tuple[float, ...]:
-    """Return angles or rates, one per joint of `before`, for the joints of `after`.
+    """Return joint angles or rates of `before`, one per joint, for the joints of `after`.
 
-    Equal values along an actuator's axis are a uniform curvature, which is kept. Raises NotUniform
-    for values that differ along an axis.
+    The curvature of each axis of an actuator stays. Raises NotUniform unless it is uniform.
     """
     curvatures: dict[tuple[int, int], float] = {}
     for joint, value in zip(before.chain.joints, values, strict=True):

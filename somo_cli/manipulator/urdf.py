@@ -1,9 +1,9 @@
-"""Chain to URDF text, the same bytes every time.
+"""Chain to URDF text; the same chain gives the same bytes.
 
-The file is complete by itself: damping and dry friction are in `<dynamics>`, the springs, for
-which URDF has no element, in the extension tags that Gazebo reads (`springStiffness` and
-`springReference`, camelCase: libsdformat 12.3 ignores the other spelling). Lines are short,
-because PyBullet 3.2.7 cuts lines at 8191 characters without a word.
+The file is complete: damping and dry friction are in `<dynamics>`. URDF has no element for springs,
+so they are in extension tags of Gazebo: `springStiffness` and `springReference`, in camel case,
+since libsdformat 12.3 ignores the other spelling. Lines are short, because PyBullet 3.2.7 silently
+cuts them at 8191 characters.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ _HEADER = '<?xml version="1.0" encoding="utf-8"?>\n'
 def render(chain: Chain, tip_frame: str | None = None) -> str:
     """Return the URDF of a chain, in the chain's own units.
 
-    With `tip_frame` a massless link of that name is fixed to the tip, for tools that want a
-    named frame there; it has no effect on the dynamics, and `somo run` never loads it. In an
-    assembly every limb has one, its name after the limb's.
+    With `tip_frame` a massless link of that name is fixed to the tip, for tools that need a frame
+    there. It does not change the dynamics, and `somo run` does not load it. In an assembly every
+    limb has one, whose name starts with that of the limb.
     """
     robot = _robot(chain, _Contents())
     if tip_frame is not None:
@@ -93,7 +93,7 @@ def _numbers(values: Iterable[float]) -> str:
 
 
 def _material_names(chain: Chain) -> dict[Material, str]:
-    """Give every colour one name; a name that the file uses for two colours gets a number."""
+    """Return a name for each material; if two have the same name, the second gets a number."""
     names: dict[Material, str] = {}
     taken: set[str] = set()
     for link in chain.links:
@@ -140,7 +140,7 @@ def _geometry(solid: AnySolid, factor: float) -> tuple[str, dict[str, str]]:
     if isinstance(solid, Cylinder):
         length, radius = number(solid.length * factor), number(solid.radius * factor)
         return "cylinder", {"length": length, "radius": radius}
-    assert isinstance(solid, Sphere), "the engine takes all other objects without a URDF"
+    assert isinstance(solid, Sphere), "other solids are not loaded from a URDF"
     return "sphere", {"radius": number(solid.radius * factor)}
 
 

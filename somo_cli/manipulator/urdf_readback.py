@@ -1,4 +1,4 @@
-"""A second opinion on a URDF: yourdfpy reads it back and moves it; the only place it is known."""
+"""Reads a URDF back with yourdfpy, an independent reader, and compares it with the chain."""
 
 from __future__ import annotations
 
@@ -18,12 +18,13 @@ _IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
 def require_equal(text: str, chain: Chain) -> None:
-    """Read a URDF with yourdfpy and require that it describes `chain`, at rest and bent.
+    """Raise EngineRefused, with the first differences, unless a URDF describes a chain.
 
-    Links without mass that are fixed to the last one of a limb, such as a tip frame, are allowed.
-    Springs and shapes are not compared. Raises EngineRefused with the first differences.
+    yourdfpy reads the URDF, and the poses of bent joints are compared as well. Springs and shapes
+    are not. Massless links that are fixed to the last link of a limb, such as a tip frame, are
+    allowed.
     """
-    # costs half a second and 100 MB to import
+    # its import takes half a second and 100 MB
     import yourdfpy
 
     robot = yourdfpy.URDF.load(io.BytesIO(text.encode()), build_scene_graph=False).robot
@@ -31,19 +32,19 @@ def require_equal(text: str, chain: Chain) -> None:
     comparison.compare_links(robot)
     comparison.compare_joints(robot)
     if not comparison.found:
-        # without visuals its scene graph is frames only: no meshes, no files
+        # without visuals its scene graph has frames only, and needs no mesh files
         for link in robot.links:
             link.visuals = []
         comparison.compare_poses(yourdfpy.URDF(robot=robot, load_meshes=False))
     if comparison.found:
-        said = comparison.found[:MAX_DIFFERENCES]
-        if len(said) < len(comparison.found):
-            said.append(f"and {len(comparison.found) - len(said)} more")
-        raise EngineRefused(chain.name, "read back, the URDF differs: " + "; ".join(said))
+        shown = comparison.found[:MAX_DIFFERENCES]
+        if len(shown) < len(comparison.found):
+            shown.append(f"and {len(comparison.found) - len(shown)} more")
+        raise EngineRefused(chain.name, "read back, the URDF differs: " + "; ".join(shown))
 
 
 class _Comparison:
-    """Collects one sentence for each thing in which a robot of yourdfpy is not the chain."""
+    """Collects a sentence for each difference between a robot of yourdfpy and a chain."""
 
     def __init__(self, chain: Chain) -> None:
         self.found: list[str] = []
@@ -99,7 +100,7 @@ class _Comparison:
             self._compare_limits(what, theirs.limit, joint)
 
     def _require_fixed_to_last_links(self, joints: Sequence[Any]) -> None:
-        """Require of joints that the chain lacks that each fixes a link to the last of a limb."""
+        """Require that each joint beyond the chain's fixes a link to the last link of a limb."""
         links = self._chain.links
         last_links = [links[limb.last_link].name for limb in self._chain.backbones]
         for joint in joints:
@@ -125,7 +126,7 @@ class _Comparison:
             self._compare_numbers(f"limits {what}", four, ours)
 
     def compare_poses(self, urdf: Any) -> None:
-        """Compare the pose of every link frame, all joints bent, by yourdfpy's own kinematics."""
+        """Compare the poses of all link frames, all joints bent, with those of yourdfpy."""
         chain = self._chain
         names = [joint.name for joint in chain.joints]
         angles = [0.1 * (1 + place % 3) * (-1) ** (place // 2) for place in range(len(names))]
@@ -145,7 +146,7 @@ class _Comparison:
     def _compare_numbers(
         self, what: str, theirs: Sequence[float | None], ours: Sequence[float], size: float = 1.0
     ) -> None:
-        """Compare numbers; those of about zero by what is `size` in their unit."""
+        """Compare numbers; `size` is a typical magnitude, in their unit, for those near zero."""
         if not all(
             a is not None and math.isclose(a, b, rel_tol=TOLERANCE, abs_tol=TOLERANCE * size)
             for a, b in zip(theirs, ours, strict=True)

@@ -45,13 +45,6 @@ def nearest_possible(inertia: Tensor) -> Tensor:
     return geometry.rotated_tensor((s2 + s3, 0.0, 0.0, s1 + s3, 0.0, s1 + s2), axes)
 
 
-def farthest_ratio(declared: Tensor, own: Tensor) -> float:
-    """Return the ratio of principal moments, declared by own, that is farthest from 1."""
-    pairs = zip(geometry.principal_moments(declared), geometry.principal_moments(own), strict=True)
-    ratios = [a / b if b > 0 else float("inf") for a, b in pairs]
-    return max(ratios, key=lambda ratio: max(ratio, 1 / ratio if ratio > 0 else float("inf")))
-
-
 def described(inertia: Tensor) -> str:
     """Return the principal moments in words, such as "[1, 2, 2.5] kg·m²"."""
     moments: Vector = geometry.principal_moments(inertia)

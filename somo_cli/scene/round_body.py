@@ -1,8 +1,7 @@
-"""Round links: cylinders, capsules and balls of one radius on one axis, and where they stand."""
+"""Round links, of cylinders, capsules and balls with one radius on one axis, and their contact."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from somo_cli.manipulator import geometry
@@ -11,8 +10,10 @@ from somo_cli.manipulator.geometry import Matrix, Vector
 from somo_cli.manipulator.round_solids import Capsule
 from somo_cli.manipulator.solids import Cylinder, Sphere
 
-FLAT = 0.2  # sine of the angle between axis and normal; below it a cylinder stands on its face
-ROUNDING = 1e-9  # of a radius
+FLAT = 0.2
+"""The sine of the angle between axis and normal below which a cylinder stands on its face."""
+ROUNDING = 1e-9
+"""Deviations that are rounding, relative to a radius."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +25,7 @@ class RoundBody:
     radius: float
 
     def seen_from(self, origin: Vector, axes: Matrix) -> RoundBody:
-        """Return it in a frame with this origin and rotation in the present one."""
+        """Return the body in a frame with this origin and rotation in the present frame."""
         back = geometry.transposed(axes)
         axis = None if self.axis is None else geometry.rotate(back, self.axis)
         return RoundBody(
@@ -32,13 +33,15 @@ class RoundBody:
         )
 
     def has_in_line(self, other: RoundBody) -> bool:
-        """Whether another has the same radius and axis."""
+        """Whether another round body has the same radius and axis."""
         away = geometry.subtract(other.centre, self.centre)
         if self.axis is not None:
-            away = geometry.subtract(away, _times(_dot(away, self.axis), self.axis))
+            away = geometry.subtract(
+                away, geometry.scaled(self.axis, geometry.dot(away, self.axis))
+            )
         apart = abs(other.radius - self.radius) + geometry.norm(away)
         if self.axis is not None and other.axis is not None:
-            apart += self.radius * (1 - abs(_dot(self.axis, other.axis)))
+            apart += self.radius * (1 - abs(geometry.dot(self.axis, other.axis)))
         return apart <= ROUNDING * self.radius
 
     def offset_to_line(self, point: Vector, normal: Vector) -> Vector:
@@ -49,19 +52,21 @@ class RoundBody:
         seen = geometry.subtract(point, self.centre)
         out, along = normal, 0.0
         if self.axis is not None:
-            along = _dot(seen, self.axis)
-            out = geometry.subtract(normal, _times(_dot(normal, self.axis), self.axis))
+            along = geometry.dot(seen, self.axis)
+            out = geometry.subtract(
+                normal, geometry.scaled(self.axis, geometry.dot(normal, self.axis))
+            )
         size = geometry.norm(out)
         if size < FLAT:
             return geometry.ZERO
-        foot = _times(-self.radius / size, out)
+        foot = geometry.scaled(out, -self.radius / size)
         if self.axis is not None:
-            foot = geometry.add(foot, _times(along, self.axis))
+            foot = geometry.add(foot, geometry.scaled(self.axis, along))
         return geometry.subtract(foot, seen)
 
 
 def round_body_of(link: Link) -> RoundBody | None:
-    """Return the round body that the shapes of a link form, in its frame; None if not round."""
+    """Return the round body that the shapes of a link form, in its frame; None for other links."""
     found = [_round_of(shape) for shape in link.shapes]
     rounds = [one for one in found if one is not None]
     if not rounds or len(rounds) < len(found):
@@ -77,18 +82,3 @@ def _round_of(shape: Shape) -> RoundBody | None:
         return None
     axis = geometry.rotate(geometry.rotation_from_rpy(shape.rpy), (0.0, 0.0, 1.0))
     return RoundBody(shape.position, axis, shape.solid.radius)
-
-
-def torque(offset: Vector, force: Vector) -> Vector:
-    """Return the torque that moves a force by an offset."""
-    (x, y, z), (fx, fy, fz) = offset, force
-    return (y * fz - z * fy, z * fx - x * fz, x * fy - y * fx)
-
-
-def _dot(one: Vector, other: Vector) -> float:
-    return math.fsum(a * b for a, b in zip(one, other, strict=True))
-
-
-def _times(factor: float, vector: Vector) -> Vector:
-    x, y, z = vector
-    return (factor * x, factor * y, factor * z)

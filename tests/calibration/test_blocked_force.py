@@ -9,7 +9,7 @@ import pytest
 
 from somo_cli.calibration.blocked_force import blocked_equilibrium
 from somo_cli.calibration.moment_arms import of_definition
-from somo_cli.manipulator import chain
+from somo_cli.manipulator.chain_build import build_chain
 from somo_cli.manipulator.definition import Definition
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from tests.manipulator.bodies import Data, X, Y, Z, actuator, compiled, hinge, manipulator
@@ -46,7 +46,7 @@ def test_the_pose_minimises_energy_and_the_point_is_held(name: str, part: float)
     found = blocked_equilibrium(definition, 0, 0, known, force)
     assert found is not None
     assert np.abs(found.angles).max() > 0.1
-    alone = chain.build(dataclasses.replace(definition, base=None, tips=()))
+    alone = build_chain(dataclasses.replace(definition, base=None, tips=()))
     body = ChainDynamics(alone)
     straight = body.at(np.zeros(body.count))
     link = int(np.sum(straight.origins[1:, 2] < known.at))

@@ -14,7 +14,7 @@ from somo_cli.calibration.moment_arms import (
     of_joint_positions,
     of_uniform_actuator,
 )
-from somo_cli.manipulator import chain
+from somo_cli.manipulator.chain_build import build_chain
 from somo_cli.manipulator.definition import Definition, Placement
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from tests.loading import scene_from_file
@@ -30,7 +30,7 @@ def definition_of(*actuators: Data) -> Definition:
 
 def compliance(definition: Definition, index: int, known: MomentArms) -> float:
     """Deflection of the point at `known.at` per force across it, by the Jacobian of the chain."""
-    alone = chain.build(
+    alone = build_chain(
         dataclasses.replace(
             definition, base=None, actuators=(definition.actuators[index],), tips=()
         )

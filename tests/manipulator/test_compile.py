@@ -2,7 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from somo_cli.manipulator import chain, read, urdf
+from somo_cli.manipulator import read, urdf
+from somo_cli.manipulator.chain_build import build_chain
 from somo_cli.manipulator.compile import compile_definition, compile_sound, document_problems
 from somo_cli.manipulator.dimensions import Scale, scaled
 from somo_cli.problems import InvalidFile
@@ -23,7 +24,7 @@ def test_from_document_to_text() -> None:
     found = compiled({**EVERYTHING, "world_scale": {"length": 20, "mass": 3}})
     document = document_of(EVERYTHING)
     assert found.definition == read.read(document)
-    assert found.chain == chain.build(found.definition)
+    assert found.chain == build_chain(found.definition)
     assert found.scale == Scale(20.0, 3.0)
     assert found.scaled_chain(Scale(2.0)) == scaled(found.chain, Scale(2.0))
 

@@ -11,7 +11,7 @@ from somo_cli.manipulator.chain import Link, Shape
 from somo_cli.manipulator.definition import Material
 from somo_cli.manipulator.round_solids import Capsule
 from somo_cli.manipulator.solids import AnySolid, Box, Cylinder, Inertial, Sphere
-from somo_cli.scene.round_body import RoundBody, round_body_of, torque
+from somo_cli.scene.round_body import RoundBody, round_body_of
 
 PAINT = Material("paint", (1.0, 1.0, 1.0, 1.0))
 UP = (0.0, 0.0, 1.0)
@@ -52,7 +52,7 @@ def test_the_same_in_another_frame() -> None:
 
 def test_a_force_that_is_moved_ahead_turns_the_body_back() -> None:
     """What rolls along y turns about -x; a force up that is moved to +y turns it about +x."""
-    assert torque((0, 0.001, 0), (0, 0, 3)) == pytest.approx((0.003, 0, 0))
+    assert geometry.cross((0, 0.001, 0), (0, 0, 3)) == pytest.approx((0.003, 0, 0))
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,8 @@ from typing import Any
 from somo_cli.document.parse import Document
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain
-from somo_cli.manipulator.definition_checks import IsSound
 from somo_cli.manipulator.kinematics import Pose, link_poses
+from somo_cli.manipulator.link_checks import IsSound
 from somo_cli.problems import Pointer, Problem
 from somo_cli.scene.extents import MAX_RELATIVE_DEPTH, min_height
 from somo_cli.scene.model import values_per_joint

@@ -9,7 +9,7 @@ from somo_cli.document.parse import Document
 from somo_cli.manipulator import assembly_checks
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.compile import Compiled, DefinitionCompiler
-from somo_cli.manipulator.definition_checks import IsSound
+from somo_cli.manipulator.link_checks import IsSound
 from somo_cli.problems import Pointer, Problem, has_errors
 from somo_cli.scene.checks import actuation as actuation_checks
 from somo_cli.scene.checks import actuation_targets as actuation_target_checks

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from somo_cli.document.parse import Document
-from somo_cli.manipulator.definition_checks import IsSound
+from somo_cli.manipulator.link_checks import IsSound
 from somo_cli.problems import Pointer, Problem, has_errors
 from somo_cli.scene.checks import motion as motion_checks
 from somo_cli.scene.checks import object_shapes as object_shapes_checks

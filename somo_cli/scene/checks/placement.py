@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from somo_cli.document.parse import Document
-from somo_cli.manipulator.definition_checks import IsSound
+from somo_cli.manipulator.link_checks import IsSound
 from somo_cli.problems import Pointer, Problem, did_you_mean
 from somo_cli.scene.contact_surface import GROUND_NAME
 

@@ -11,8 +11,8 @@ from somo_cli.document.parse import Document
 from somo_cli.document.validate import schema_problems, soundness_test
 from somo_cli.manipulator import assembly, assembly_checks
 from somo_cli.manipulator.compile import DefinitionCompiler
-from somo_cli.manipulator.definition_checks import IsSound
 from somo_cli.manipulator.dimensions import Scale
+from somo_cli.manipulator.link_checks import IsSound
 from somo_cli.problems import Pointer, Problem, has_errors, in_reading_order
 from somo_cli.scene import object_files
 from somo_cli.scene.checks import objects as objects_checks

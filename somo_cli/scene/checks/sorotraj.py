@@ -7,7 +7,7 @@ from typing import Any, cast
 
 from somo_cli.document.parse import Document
 from somo_cli.document.validate import schema_problems
-from somo_cli.manipulator.definition_checks import IsSound
+from somo_cli.manipulator.link_checks import IsSound
 from somo_cli.problems import Pointer, Problem, in_reading_order
 from somo_cli.scene.sorotraj import SAMPLED_WAVEFORMS
 

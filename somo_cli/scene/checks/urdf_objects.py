@@ -6,12 +6,13 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from somo_cli.document.parse import Document
-from somo_cli.manipulator.definition_checks import INERTIA_FACTOR
+from somo_cli.manipulator import geometry
+from somo_cli.manipulator.link_checks import INERTIA_FACTOR
 from somo_cli.problems import Pointer, Problem, Span
 from somo_cli.scene import compound, object_shapes
 from somo_cli.scene.checks.meshes import hull_warnings
 from somo_cli.scene.object_inertia import needs_no_mass, takes_solid, urdf_inertial, with_mass
-from somo_cli.scene.possible_inertia import described, farthest_ratio, impossibility
+from somo_cli.scene.possible_inertia import described, impossibility
 from somo_cli.scene.urdf_rigid_body import UrdfLink, UrdfRigidBody
 
 
@@ -93,7 +94,7 @@ def _link_problems(link: UrdfLink) -> Iterator[Problem]:
         return
     if own is None:
         return
-    ratio = farthest_ratio(link.declared.inertia, own.inertia)
+    ratio = geometry.farthest_moment_ratio(link.declared.inertia, own.inertia)
     if ratio > 0 and not 1 / INERTIA_FACTOR <= ratio <= INERTIA_FACTOR:
         message = (
             f"the declared inertia of link '{link.name}' is {ratio:.3g} times that of its shapes "

@@ -14,7 +14,7 @@ from collections.abc import Mapping
 
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Matrix, Vector
-from somo_cli.scene.round_body import RoundBody, torque
+from somo_cli.scene.round_body import RoundBody
 from somo_cli.simulation.engine.bullet.engine_links import EngineLinks, axes_at_contact
 from somo_cli.simulation.engine.bullet.last_contacts import (
     EngineContact,
@@ -71,7 +71,7 @@ class RollingAdapter:
         point = geometry.subtract(contact.on_first if is_first else contact.on_second, centre)
         back = geometry.transposed(axes)
         offset = body.offset_to_line(geometry.rotate(back, point), geometry.rotate(back, (x, y, z)))
-        return torque(geometry.rotate(axes, offset), (size * x, size * y, size * z))
+        return geometry.cross(geometry.rotate(axes, offset), (size * x, size * y, size * z))
 
     def _pose(self, place: EngineLinkId) -> tuple[Vector, Matrix]:
         """Return the pose of a link at the start of the last step, when points were found."""
