@@ -59,7 +59,7 @@ def test_build(somo: Somo, here: Path) -> None:
 def test_a_tip_frame_that_a_link_is_called(somo: Somo, here: Path) -> None:
     done = somo("build", here / "pair.yaml", "--tip-frame", "actuator_0_segment_01")
     assert done.returncode == 2
-    assert "actuator_0_segment_01 is the name of a link already" in done.stderr
+    assert "a link is named actuator_0_segment_01 already" in done.stderr
     assert not (here / "pair.urdf").exists()
 
 

@@ -346,8 +346,14 @@ TIP = ("calibrate", "stiffness", "finger.yaml")
             "-1.0 is not greater than 0",
         ),
         (("calibrate", "torque", "finger.yaml"), "give --force or --data"),
-        (("calibrate", "torque", "--patch", "finger.yaml", "--force", "1"), "give the --pressure"),
-        (("calibrate", "torque", "finger.yaml", "--force", "0"), "is not a force that turns"),
+        (
+            ("calibrate", "torque", "--patch", "finger.yaml", "--force", "1"),
+            "give --pressure as well",
+        ),
+        (
+            ("calibrate", "torque", "finger.yaml", "--force", "0"),
+            "0.0 is not a finite force other than 0",
+        ),
         (("calibrate", "damping", "finger.yaml"), "give --ratio or --ring-down"),
         (("calibrate", "damping", "finger.yaml", "--ratio", "-1"), "-1.0 is not from 0 to 10"),
         (
@@ -356,10 +362,16 @@ TIP = ("calibrate", "stiffness", "finger.yaml")
         ),
         (
             ("calibrate", "damping", "finger.yaml", "--ratio", "1", "--patch", "scene.yaml"),
-            "scene.yaml is not what was read: finger.yaml",
+            "scene.yaml is not one of the files that were read: finger.yaml",
         ),
-        ((*TIP, "--write", "finger.yaml"), "finger.yaml is what is read: change it with --patch"),
-        ((*FIT, "--write", "./scene.yaml"), "./scene.yaml is what is read: change it with --patch"),
+        (
+            (*TIP, "--write", "finger.yaml"),
+            "finger.yaml is one of the files that are read: change it",
+        ),
+        (
+            (*FIT, "--write", "./scene.yaml"),
+            "./scene.yaml is one of the files that are read: change it",
+        ),
         ((*FIT, "--parameters", "mass"), "'mass' is not one of stiffness, damping, gain"),
     ],
 )

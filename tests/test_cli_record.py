@@ -119,7 +119,7 @@ def test_the_ground_is_ambiguous_beside_an_object_of_its_name(
         (("--set", "record.events=true", "-o", "-"), "no file to put them beside"),
         (("--events", "a.csv", "-o", "./a.csv"), "a.csv is where the rows go"),
         (("--events", "-", "-o", "-"), "- is where the rows go"),
-        (("--events", "finger.yaml"), "finger.yaml is what is read"),
+        (("--events", "finger.yaml"), "finger.yaml is one of the files that are read"),
     ],
 )
 def test_events_that_have_no_place(

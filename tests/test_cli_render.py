@@ -112,10 +112,10 @@ def test_missing_columns_are_reported_with_the_options_that_record_them(
     first, *_, hint = ended.stderr.splitlines()
     assert first == (
         "rows.csv:1:1: error: there is no column 'bar.pose.z_m' and 4 more, "
-        "so nobody knows where everything is"
+        "so the configuration is unknown"
     )
     options = "--record '*.angle_rad' --record '*.pose.*'"
-    assert hint == f"  hint: somo run with {options} records all that is needed"
+    assert hint == f"  hint: record it with somo run {options}"
     assert somo(*run, *options.replace("'", "").split(), "-o", "rows.csv").returncode == 0
     assert somo("render", "rows.csv", *SMALL).returncode == 0
 
@@ -132,7 +132,7 @@ def test_a_recording_whose_scene_is_unknown(somo: Somo, here: Path) -> None:
     for content in ("[]", "{}", '{"scene": 3}', '{"scene": "x.yaml", "overrides": 3}'):
         (here / "rows.meta.json").write_text(content, "utf-8")
         ended = somo("render", "rows.csv", *SMALL)
-        message = "rows.meta.json:1:1: error: this does not say what scene the recording is of"
+        message = "rows.meta.json:1:1: error: this does not name the scene of the recording"
         assert (ended.returncode, ended.stderr.splitlines()[0]) == (3, message)
     (here / "rows.meta.json").write_text('{"scene":\n  x}', "utf-8")
     ended = somo("render", "rows.csv", *SMALL)
@@ -140,7 +140,7 @@ def test_a_recording_whose_scene_is_unknown(somo: Somo, here: Path) -> None:
     assert (ended.returncode, ended.stderr.splitlines()[0]) == (3, message)
     (here / "rows.meta.json").write_text('{"scene": "gone.yaml"}', "utf-8")
     ended = somo("render", "rows.csv", *SMALL)
-    message = "rows.meta.json:1:1: error: the scene that this was recorded of, gone.yaml, is not"
+    message = "rows.meta.json:1:1: error: the scene of this recording, gone.yaml, does not exist"
     assert (ended.returncode, ended.stderr.startswith(message)) == (3, True)
 
 
@@ -197,11 +197,11 @@ def test_a_time_beyond_the_end_is_wrong_usage(somo: Somo, here: Path) -> None:
     somo("run", "definitions/scene.yaml", "--steps", "20", "-q", "-o", "rows.csv")
     ended = somo("render", "rows.csv", "--at", "3", *SMALL)
     assert ended.returncode == 2
-    assert "'--at': 3 s is beyond the end, 0.02 s\n" in ended.stderr
+    assert "'--at': 3 s is after the end, 0.02 s\n" in ended.stderr
     stop = ("--set", "stop=[{time: 0.01}]")
     ended = somo("render", "definitions/scene.yaml", "--at", "3", *stop, *SMALL)
     assert ended.returncode == 2
-    said = "'--at': 3 s is beyond the end, 0.01 s, where stop[0] ends it: the time is 0.01 s\n"
+    said = "'--at': 3 s is after the end, 0.01 s, by stop[0]: the time is 0.01 s\n"
     assert said in ended.stderr
 
 
@@ -216,7 +216,7 @@ def test_an_output_that_cannot_be_written_is_reported_before_the_work(
     source = "definitions/scene.yaml"
     (here / "a.png").symlink_to(here / source)
     ended = somo("render", source, "-o", "a.png")
-    assert (ended.returncode, "is what is read" in ended.stderr) == (2, True)
+    assert (ended.returncode, "is one of the files that are read" in ended.stderr) == (2, True)
 
 
 @pytest.mark.moderate
@@ -258,7 +258,7 @@ def test_a_film_goes_to_the_end_of_a_scene_that_stops(somo: Somo, here: Path) ->
         ended = somo(*film, *end)
         assert ended.returncode == 0, ended.stderr
         assert "3 pictures from 0 s to 0.08 s" in ended.stderr
-        said = "the film ends at 0.1 s, where stop[0] ends it: the time is 0.1 s\n"
+        said = "the film ends at 0.1 s, by stop[0]: the time is 0.1 s\n"
         assert (said in ended.stderr) == bool(end)
 
 

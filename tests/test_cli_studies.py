@@ -81,7 +81,7 @@ def test_without_matplotlib_a_report_has_no_picture_and_says_so(
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("--time-steps", "1e-3,x"), "'1e-3,x' is not numbers with commas between them"),
+        (("--time-steps", "1e-3,x"), "'1e-3,x' is not a list of numbers, such as 0.001,0.002"),
         (("--time-steps", "0,1e-3"), "0.0 is not greater than 0 and at most 1"),
         (("--time-steps", "1e-3,1.1e-3,1.3e-3,1.7e-3"), "choose steps that are multiples"),
         (("--integrators", "implicit,rk4"), "'rk4' is not one of implicit, euler, explicit"),
@@ -113,7 +113,7 @@ def test_a_reference_that_does_not_fit_is_an_error_of_the_scene(somo: Somo, tmp_
     assert (ended.returncode, ended.stdout) == (3, "")
     line = len(scene.splitlines()) + 2
     assert ended.stderr.startswith(
-        f"scene.yaml:{line}:12: error: this scene is not what the closed form 'pendulum' is about: "
+        f"scene.yaml:{line}:12: error: the closed form 'pendulum' does not describe this scene: "
         "it is about a single joint, not 10\n"
     )
 

@@ -1,10 +1,10 @@
-"""The front door: commands that read files, call one function per stage, write the product."""
+"""The commands: each reads files, calls the rooms below, and writes the result."""
 
 import os
 
-# Before anything loads numpy, whose library would take a thread for each core: with matrices as
-# small as ours, threads cost more time than they save, and the last digits of what a chain of 120
-# joints does depend on how many there are (seen with OpenBLAS 0.3).
+# Set before numpy is loaded, whose OpenBLAS would start a thread for each core. For small matrices
+# threads cost more time than they save, and the last digits of a chain of 120 joints depend on
+# their number (seen with OpenBLAS 0.3).
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from somo_cli.cli import (

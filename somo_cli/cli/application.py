@@ -1,4 +1,4 @@
-"""The front door itself: the application, and how a command ends: message and exit code."""
+"""The application, options that commands share, and the message and exit code of each error."""
 
 import functools
 import os
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from somo_cli.document.parse import Document
     from somo_cli.packages import Access
 
-EXIT_CODES = """Exit codes: 0 done; 1 a check found something; 2 wrong usage; 3 the definition,
-scene or recording is at fault; 4 the simulation diverged; 5 a file cannot be read or written, or
-the engine or an extra is missing; 130 interrupted. A closed pipe ends a run quietly, with 0."""
+EXIT_CODES = """Exit codes: 0 success; 1 a check found problems; 2 wrong usage; 3 the definition,
+scene or recording is invalid; 4 the simulation diverged; 5 a file cannot be read or written, or the
+engine or an extra is missing; 130 interrupted. A closed pipe ends a run quietly, with 0."""
 
 app = typer.Typer(
     help="Simulate soft, continuum manipulators as chains of links and spring-dampers.",
@@ -48,8 +48,8 @@ OutsideOption = Annotated[
     bool,
     typer.Option(
         "--allow-outside",
-        help="Read files that lie outside the folder of the file that names them, too: "
-        "definitions, trajectories, meshes and URDFs, by any path.",
+        help="Also read definitions, trajectories, meshes and URDFs outside the folder of the "
+        "file that names them.",
     ),
 ]
 PackageOption = Annotated[
@@ -57,11 +57,10 @@ PackageOption = Annotated[
     typer.Option(
         "--package",
         metavar="NAME=FOLDER",
-        help="Where the files of package://NAME/... and model://NAME/... are, which URDFs name. "
-        "Repeatable.",
+        help="The folder of package://NAME/... and model://NAME/... in URDFs. Repeatable.",
     ),
 ]
-QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No summary on success.")]
+QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="Print no summary.")]
 
 
 def main() -> None:
@@ -74,7 +73,7 @@ def main() -> None:
 
 
 def report_errors(command: Command) -> Command:
-    """Turn what went wrong into a message and an exit code; the only place that does."""
+    """Make a command report each error by a message and an exit code."""
 
     @functools.wraps(command)
     def wrapped(*args: object, **kwargs: object) -> None:
@@ -94,7 +93,7 @@ def report_errors(command: Command) -> Command:
             terminal.print_message(f"somo: {error}")
             raise typer.Exit(5) from error
         except BrokenPipeError as error:
-            # the reader has seen enough; keep Python from flushing into the closed pipe at exit
+            # the reader has closed the pipe; Python must not flush into it at exit
             os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
             raise typer.Exit(0) from error
         except OSError as error:
@@ -118,7 +117,7 @@ def _common(
     version: Annotated[
         bool,
         typer.Option(
-            "--version", help="Print the version and leave.", callback=_print_version, is_eager=True
+            "--version", help="Print the version and exit.", callback=_print_version, is_eager=True
         ),
     ] = False,
 ) -> None:
@@ -126,7 +125,7 @@ def _common(
 
 
 def access_of(allow_outside: bool, package: list[str] | None) -> "Access":
-    """Return which files may be read; end with a usage error for a --package of another form."""
+    """Return the files that may be read; exit with a usage error for a malformed --package."""
     from somo_cli import packages
 
     try:
@@ -136,15 +135,15 @@ def access_of(allow_outside: bool, package: list[str] | None) -> "Access":
 
 
 def refuse_overwriting(document: "Document", output: str, option: str = "--output") -> None:
-    """Refuse an output that is one of the files that were read."""
+    """Exit with a usage error if an output is one of the files that were read."""
     target = Path(output)
     is_input = target.exists() and any(
         Path(source).exists() and target.samefile(source) for source in document.texts
     )
-    require(not is_input, option, f"{output} is what is read")
+    require(not is_input, option, f"{output} is one of the files that are read")
 
 
 def require(is_right: bool, option: str, message: str) -> None:
-    """End with wrong usage of an option unless it is right."""
+    """Exit with a usage error for an option unless `is_right`."""
     if not is_right:
         raise typer.BadParameter(message, param_hint=f"'{option}'")

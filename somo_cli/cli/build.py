@@ -29,15 +29,13 @@ def build(
             "--output",
             "-o",
             metavar="FILE",
-            help="Where to write; - is standard output. [default: the definition's urdf_filename, "
-            "else its own name with .urdf, in the current directory]",
+            help="The URDF to write; - is standard output. [default: the definition's "
+            "urdf_filename, else its own name with .urdf, in the current directory]",
         ),
     ] = None,
     scale: Annotated[
         float | None,
-        typer.Option(
-            "--scale", metavar="X", help="Length factor, in place of the one in the file."
-        ),
+        typer.Option("--scale", metavar="X", help="Length factor, instead of the one in the file."),
     ] = None,
     sets: SetOption = None,
     tip_frame: Annotated[
@@ -45,13 +43,13 @@ def build(
         typer.Option(
             "--tip-frame",
             metavar="NAME",
-            help="Add a massless link of that name at the tip; for each limb of an assembly one, "
+            help="Add a massless link of this name at the tip; in an assembly, one for each limb, "
             "such as thumb_NAME.",
         ),
     ] = None,
     verify: Annotated[
         bool,
-        typer.Option("--verify", help="Read the URDF back with another reader and compare."),
+        typer.Option("--verify", help="Read the URDF back with yourdfpy and compare."),
     ] = False,
     quiet: QuietOption = False,
 ) -> None:
@@ -71,7 +69,7 @@ def build(
     names = {link.name for link in compiled.chain.links}
     frames = {f"{limb.prefix}{tip_frame}" for limb in compiled.chain.backbones}
     is_new = tip_frame is None or names.isdisjoint(frames)
-    require(is_new, "--tip-frame", f"{tip_frame} is the name of a link already")
+    require(is_new, "--tip-frame", f"a link is named {tip_frame} already")
     own = compiled.scale or Scale()
     wanted = own if scale is None else Scale(scale, own.mass)
     text = compiled.urdf(wanted, tip_frame)

@@ -1,4 +1,4 @@
-"""somo calibrate: the options that its commands share."""
+"""somo calibrate: the group of commands, and the options that they share."""
 
 from collections.abc import Sequence
 from typing import Annotated, Literal
@@ -8,7 +8,7 @@ import typer
 from somo_cli.cli.application import EXIT_CODES, app, require
 
 calibrate = typer.Typer(
-    help="From what a lab measures to joint stiffness, torque and damping.",
+    help="Find joint stiffness, torque and damping from measurements.",
     epilog=EXIT_CODES,
     no_args_is_help=True,
     rich_markup_mode=None,
@@ -19,8 +19,8 @@ app.add_typer(calibrate, name="calibrate")
 DefinitionArgument = Annotated[
     str | None,
     typer.Argument(
-        help="A definition, whose joints are calibrated as they lie. [default: that of --patch, "
-        "else joints by --length, --joints, ...]",
+        help="The definition to calibrate. [default: that of --patch, else joints given by "
+        "--length, --joints, ...]",
         show_default=False,
     ),
 ]
@@ -30,7 +30,7 @@ ActuatorOption = Annotated[
 AxisOption = Annotated[
     int,
     typer.Option(
-        "--axis", min=0, help="Number of the axis: place in joint_definitions; 0 if planar."
+        "--axis", min=0, help="Number of the axis: index in joint_definitions; 0 if planar."
     ),
 ]
 AtOption = Annotated[
@@ -38,7 +38,7 @@ AtOption = Annotated[
     typer.Option(
         "--at",
         metavar="M",
-        help="Where the force is measured, from the base of the actuator [m]. [default: its end]",
+        help="Distance of the force from the base of the actuator [m]. [default: its end]",
     ),
 ]
 LengthOption = Annotated[
@@ -52,25 +52,25 @@ PlacesOption = Annotated[
     typer.Option(
         "--places",
         metavar="M,M,...",
-        help="Where the joints of the axis are, from the base [m], in place of --joints.",
+        help="Distances of the joints of the axis from the base [m], instead of --joints.",
     ),
 ]
 AxesOption = Annotated[
-    int, typer.Option("--axes", min=1, max=3, help="Number of axes that take turns.")
+    int, typer.Option("--axes", min=1, max=3, help="Number of alternating axes.")
 ]
 AboutOption = Annotated[
-    str, typer.Option("--about", metavar="x|y|z", help="Direction of the axis; z twists.")
+    str, typer.Option("--about", metavar="x|y|z", help="Direction of the axis; z is torsion.")
 ]
 PlacementOption = Annotated[
     str,
-    typer.Option("--placement", metavar="uniform|gauss", help="Where the joints stand."),
+    typer.Option("--placement", metavar="uniform|gauss", help="Placement of the joints."),
 ]
 WriteOption = Annotated[
     str | None,
     typer.Option(
         "--write",
         metavar="FILE",
-        help="Write YAML with the result: a copy of the definition, else a piece of one.",
+        help="Write the result as YAML: a copy of the definition, else a part of one.",
     ),
 ]
 PatchOption = Annotated[
@@ -78,7 +78,7 @@ PatchOption = Annotated[
     typer.Option(
         "--patch",
         metavar="DEFINITION",
-        help="Put the result into this definition; comments and order stay.",
+        help="Write the result into this definition; comments and order stay.",
     ),
 ]
 JsonOption = Annotated[
@@ -87,7 +87,7 @@ JsonOption = Annotated[
 
 
 def parse_joint_counts(option: str, text: str) -> Sequence[int]:
-    """Return the whole numbers of a list such as 3,5,10."""
+    """Return the numbers of a list such as 3,5,10, without repetitions."""
     try:
         found = [int(part) for part in text.split(",")]
     except ValueError:
@@ -101,6 +101,6 @@ Rule = Literal["exact", "somo"]
 
 
 def parse_rule(text: str) -> Rule:
-    """Return the rule of an option."""
+    """Return the rule that an option names."""
     require(text in ("exact", "somo"), "--rule", f"{text!r} is not exact or somo")
     return "somo" if text == "somo" else "exact"

@@ -1,4 +1,4 @@
-"""somo calibrate: the joints that its options speak of, of a definition or of a few numbers."""
+"""somo calibrate: the joints to calibrate, of a definition or given by options."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class JointsToCalibrate:
-    """The joints to calibrate: of a definition, or made from a few numbers.
+    """The joints to calibrate: of a definition, or given by options.
 
-    `made` gives the axis with other numbers of joints, differently placed.
+    `made` returns the axis with another number and placement of joints.
     """
 
     moment_arms: "MomentArms"
@@ -33,7 +33,7 @@ class JointsToCalibrate:
 
 @dataclass(frozen=True, slots=True)
 class JointOptions:
-    """The options that make joints without a definition: length [m], joints or places [m], ..."""
+    """The options that give joints without a definition: length [m], joints or places [m], ..."""
 
     length: float | None
     joints: int | None
@@ -48,7 +48,9 @@ def definition_path(definition: str | None, patch: str | None) -> str | None:
     is_one = (
         definition is None or patch is None or Path(definition).resolve() == Path(patch).resolve()
     )
-    require(is_one, "--patch", f"it names another definition than {definition}: leave that out")
+    require(
+        is_one, "--patch", f"it names another definition than {definition}: give one of the two"
+    )
     return definition or patch
 
 
@@ -61,7 +63,7 @@ def joints_to_calibrate(
     write: str | None,
     patch: str | None,
 ) -> JointsToCalibrate:
-    """Return the joints that the options speak of."""
+    """Return the joints to calibrate; exit with a usage error if there are none."""
     from somo_cli.calibration.moment_arms import NoMomentArms
 
     try:

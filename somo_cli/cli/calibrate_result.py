@@ -1,4 +1,4 @@
-"""somo calibrate: where a result goes, a copy of the definition or the definition itself."""
+"""somo calibrate: write a result to a copy of the definition, or to the definition itself."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -22,9 +22,9 @@ def write_result(
     patch: str | None,
     beside: Mapping[str, str] | None = None,
 ) -> None:
-    """Write values into a copy of the file that holds them, or into the file itself.
+    """Write values to a copy of the file that holds them, or to the file itself.
 
-    Without a document `piece` is written. `beside` says after which key a new one goes.
+    Without a document, `piece` is written. `beside` names the key after which a new key goes.
     """
     if write is not None:
         written = piece
@@ -42,20 +42,24 @@ def write_result(
 
 
 def require_targets(document: "Document", write: str | None, patch: str | None) -> None:
-    """Refuse, before anything is computed, to patch what was not read, or to write over it."""
+    """Exit, before anything is computed, if a file cannot be patched or would be overwritten."""
     if patch is not None:
         _source(document, patch)
     is_read = write is not None and any(_is_same(write, source) for source in document.texts)
-    require(not is_read, "--write", f"{write} is what is read: change it with --patch")
+    require(
+        not is_read, "--write", f"{write} is one of the files that are read: change it with --patch"
+    )
 
 
 def _source(document: "Document", path: str) -> str:
-    """Return the name by which the file to patch was read into a document."""
+    """Return the name under which the file to patch was read."""
     for source in document.texts:
         if _is_same(path, source):
             return source
     names = ", ".join(document.texts)
-    raise typer.BadParameter(f"{path} is not what was read: {names}", param_hint="'--patch'")
+    raise typer.BadParameter(
+        f"{path} is not one of the files that were read: {names}", param_hint="'--patch'"
+    )
 
 
 def _is_same(path: str, source: str) -> bool:

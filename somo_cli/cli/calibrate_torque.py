@@ -49,24 +49,24 @@ def torque(
         typer.Option("--force", metavar="N", help="Blocked force [N]; a moment for torsion [N·m]."),
     ] = None,
     pressure: Annotated[
-        float | None, typer.Option("--pressure", metavar="PA", help="Pressure at that force [Pa].")
+        float | None, typer.Option("--pressure", metavar="PA", help="Pressure at this force [Pa].")
     ] = None,
     data: Annotated[
         str | None,
         typer.Option(
             "--data",
             metavar="CSV",
-            help=f"Several measured points instead: columns {PRESSURE} and {FORCE}.",
+            help=f"Several measured points: columns {PRESSURE} and {FORCE}.",
         ),
     ] = None,
     through_zero: Annotated[
-        bool, typer.Option("--through-zero", help="No pressure makes no torque: fit no offset.")
+        bool, typer.Option("--through-zero", help="Fit a line through zero, without an offset.")
     ] = False,
     small_angles: Annotated[
         bool,
         typer.Option(
             "--small-angles",
-            help="Use the rule of small angles with a definition, too, not the equilibrium.",
+            help="With a definition, use the rule of small angles, not the equilibrium.",
         ),
     ] = False,
     rule: Annotated[
@@ -74,7 +74,7 @@ def torque(
         typer.Option(
             "--rule",
             metavar="exact|somo",
-            help="Which torque to write; somo is force times length, for comparison.",
+            help="The rule for the torque to write; somo is force times length.",
         ),
     ] = "exact",
     actuator: ActuatorOption = 0,
@@ -90,13 +90,13 @@ def torque(
     patch: PatchOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Find the torque in every joint of an axis that makes a measured blocked force.
+    """Find the torque in every joint of an axis that causes a measured blocked force.
 
-    The actuator is clamped at its base and its tip presses on something that does not give. With
-    small angles the torque follows from the places of the joints alone; with a definition, whose
-    springs are known, the equilibrium is solved for angles of any size. Forces at several
-    pressures give a straight line and the torque per pressure, which --patch puts into the joint
-    definition for scenes that are driven by pressure.
+    The actuator is clamped at its base, and its tip presses on a rigid surface. For small angles
+    the torque follows from the positions of the joints alone. With a definition, whose springs are
+    known, the equilibrium is solved for angles of any size. Forces at several pressures give a
+    straight line and the torque per pressure, which --patch writes into the joint definition for
+    scenes with actuation by pressure.
     """
     from somo_cli.calibration.blocked_force_points import fitted_line, lines, plain_data
 
@@ -115,7 +115,9 @@ def torque(
     through = fitted_line(pressed, which, through_zero or data is None)
     per_pressure = None if through is None else through.per_pressure
     is_patchable = patch is None or per_pressure is not None
-    require(is_patchable, "--patch", "give the --pressure, too: a definition has torque per pascal")
+    require(
+        is_patchable, "--patch", "give --pressure as well: a definition has a torque per pressure"
+    )
     if as_json:
         typer.echo(json.dumps(plain_data(pressed, which, through), indent=2))
     else:
@@ -124,7 +126,7 @@ def torque(
     if through is not None and through.has_offset:
         terminal.print_message(
             f"somo: warning: without pressure the line has {through.offset:.3g} N·m, more than the "
-            "scatter explains; torque_per_pressure leaves it out"
+            "scatter explains; torque_per_pressure does not include it"
         )
         terminal.print_message(
             "  hint: look for a dead band or an offset of the gauge, or use --through-zero"
@@ -140,9 +142,9 @@ def _points(
     if data is None:
         assert force is not None
         is_force = math.isfinite(force) and force != 0
-        require(is_force, "--force", f"{force} is not a force that turns anything")
+        require(is_force, "--force", f"{force} is not a finite force other than 0")
         is_pressure = pressure is None or (math.isfinite(pressure) and pressure != 0)
-        require(is_pressure, "--pressure", f"{pressure} is not a pressure that does anything")
+        require(is_pressure, "--pressure", f"{pressure} is not a finite pressure other than 0")
         return [(pressure, force)]
     from somo_cli.document.table import require_columns
 
@@ -172,7 +174,7 @@ def _pressed(
     for one in found:
         if springs is not None and one.equilibrium is None and known.moment_arms.kind == "bending":
             terminal.print_message(
-                f"somo: warning: at {one.force:g} N no equilibrium near the straight pose is found "
+                f"somo: warning: at {one.force:g} N there is no equilibrium near the straight pose "
                 "with the springs of the definition; the rule of small angles is used"
             )
     return found

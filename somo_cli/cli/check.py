@@ -1,4 +1,4 @@
-"""somo check: what is wrong with files; an engine is asked if there is one, and not needed."""
+"""somo check: the problems of files, the numerics of a scene, the plan of a run."""
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
@@ -45,8 +45,8 @@ def check(
         bool,
         typer.Option(
             "--numerics",
-            help="Judge the numbers of one scene as well: natural frequencies, the largest "
-            "explicit step, the step to recommend, conditioning.",
+            help="Also report the numerics of one scene: natural frequencies, the largest stable "
+            "explicit step, the recommended step, conditioning.",
         ),
     ] = False,
     trajectory: Annotated[
@@ -54,19 +54,18 @@ def check(
         typer.Option(
             "--trajectory",
             metavar="CSV",
-            help="With --numerics: look at the worst pose of a recorded run, too.",
+            help="With --numerics: also examine the worst pose of a recorded run.",
         ),
     ] = None,
     plan: Annotated[
         bool,
         typer.Option(
             "--plan",
-            help="Print what a run of one scene leaves out, why, and what that saves, beside the "
-            "findings.",
+            help="Also print what a run of one scene skips, why, and what that saves.",
         ),
     ] = False,
     is_strict: Annotated[
-        bool, typer.Option("--strict", help="Exit with 1 on warnings, too.")
+        bool, typer.Option("--strict", help="Also exit with 1 on warnings.")
     ] = False,
     allow_outside: OutsideOption = False,
     package: PackageOption = None,
@@ -74,12 +73,12 @@ def check(
         bool, typer.Option("--json", help="Print the findings as JSON on standard output.")
     ] = False,
 ) -> None:
-    """Say everything that build and run would complain about.
+    """Validate files: report every problem on which build or run would stop or warn.
 
-    No engine is needed; where there is one, it is asked what overlaps at the start.
+    No engine is needed. If there is one, it finds parts that overlap at the start.
 
-    With --numerics standard output has a table of the scene's modes and steps; findings have a
-    code, such as explicit-step-too-long, and an error among them is a step that will not hold.
+    With --numerics, a table of modes and time steps goes to standard output. Findings then have
+    codes, such as explicit-step-too-long; an unstable time step is an error.
     """
     has_one = not numerics or len(paths) == 1
     require(has_one, "--numerics", f"it takes one scene, not {len(paths)}")
@@ -122,13 +121,13 @@ def _check_files(paths: Sequence[str], access: "Access", is_strict: bool, as_jso
 
 
 def _scene_of(document: "Document", as_json: bool) -> "tuple[Scene, Sequence[Problem]]":
-    """Return the scene that a document means, and its warnings; end with its errors if it has."""
+    """Return the scene of a document and its warnings; print its errors and exit if it has any."""
     from somo_cli import loading
 
     try:
         return loading.scene_of(document)
     except InvalidFile as error:
-        # what is wrong with a file is a finding of check, not an end
+        # for check the errors of a file are findings, so the exit code is 1
         _print_findings(error.problems, error.texts, {}, as_json)
         raise typer.Exit(1) from error
 

@@ -1,4 +1,4 @@
-"""somo examples: the shipped definitions, to begin with."""
+"""somo examples: copies of the shipped definitions."""
 
 from typing import Annotated
 
@@ -11,7 +11,7 @@ from somo_cli.cli.application import EXIT_CODES, app, report_errors
 @app.command(epilog=EXIT_CODES)
 @report_errors
 def examples(
-    folder: Annotated[str, typer.Argument(help="A folder to make.")] = "somo-examples",
+    folder: Annotated[str, typer.Argument(help="The folder to create.")] = "somo-examples",
 ) -> None:
     """Copy the shipped definitions, scenes and schemas into a new folder."""
     for path in files.copy_examples(folder):

@@ -1,4 +1,4 @@
-"""somo render: a scene, or a recorded run, to a picture or a film."""
+"""somo render: draw a scene or a recorded run, as a picture or a film."""
 
 import dataclasses
 from collections.abc import Iterator, Sequence
@@ -50,7 +50,7 @@ def render(
             "--output",
             "-o",
             metavar="FILE",
-            help="A still, .png, or a film, .mp4 or .gif, with somo-cli[film]. [default: the "
+            help="A still (.png), or a film (.mp4 or .gif; needs somo-cli[film]). [default: the "
             "source's name with .png, in the current directory]",
         ),
     ] = None,
@@ -59,37 +59,36 @@ def render(
         typer.Option(
             "--at",
             metavar="S",
-            help="The time that a still shows, in seconds. [default: 0 of a scene, the last row "
-            "of a CSV]",
+            help="Time of a still in seconds. [default: 0 for a scene, the last row for a CSV]",
         ),
     ] = None,
     start: Annotated[
         float | None,
-        typer.Option("--from", metavar="S", help="When a film begins. [default: at the start]"),
+        typer.Option("--from", metavar="S", help="Start time of a film. [default: the first row]"),
     ] = None,
     until: Annotated[
         float | None,
         typer.Option(
             "--until",
             metavar="S",
-            help="When a film ends. [default: at the end; of a scene it is needed]",
+            help="End time of a film, required for a scene. [default: the last row]",
         ),
     ] = None,
     steps: Annotated[
         int | None,
-        typer.Option("--steps", min=0, help="Time steps of a scene, in place of --at or --until."),
+        typer.Option("--steps", min=0, help="Time steps of a scene, instead of --at or --until."),
     ] = None,
     every: Annotated[
         float | None,
         typer.Option(
             "--every",
             metavar="S",
-            help="Time between two pictures of a film. [default: such that 25 are shown a second]",
+            help="Time between two pictures of a film. [default: for 25 pictures a second]",
         ),
     ] = None,
     speed: Annotated[
         float,
-        typer.Option("--speed", help="Seconds of the scene that pass in a second of the film."),
+        typer.Option("--speed", help="Seconds of the scene in a second of the film."),
     ] = 1.0,
     camera: Annotated[
         str,
@@ -97,7 +96,7 @@ def render(
             "--camera",
             metavar="VIEW",
             help="oblique, front, side, top, or YAW,PITCH[,DISTANCE] in degrees and metres: yaw 0 "
-            "looks along +y, 90 from +x; pitch is the height above the horizon.",
+            "looks along +y, 90 from +x; pitch is the angle above the horizon.",
         ),
     ] = "oblique",
     target: Annotated[
@@ -105,7 +104,7 @@ def render(
         typer.Option(
             "--target",
             metavar="X,Y,Z",
-            help="The point in the middle of the picture [m]. [default: all that moves is in it]",
+            help="The point in the middle of the picture [m]. [default: frame all that moves]",
         ),
     ] = None,
     size: Annotated[
@@ -116,7 +115,7 @@ def render(
         typer.Option(
             "--scene",
             metavar="FILE",
-            help="The scene of a CSV. [default: what the .meta.json beside it names]",
+            help="The scene of a CSV. [default: the one that its .meta.json names]",
         ),
     ] = None,
     sets: SetOption = None,
@@ -126,8 +125,8 @@ def render(
 ) -> None:
     """Draw a scene or a recorded run, as a still or a film, without a display.
 
-    A scene is simulated up to the time that is shown. A CSV is shown as it was recorded; it needs
-    the columns joint_angles, base_pose of what is free, and pose of objects that are free.
+    A scene is simulated up to the time that is shown. A CSV is shown as it was recorded; it must
+    have joint_angles, base_pose of free bases, and pose of free objects.
     """
     access = access_of(allow_outside, package)
     written = output or f"{Path(source).stem}{STILL}"
@@ -135,8 +134,8 @@ def render(
     timing = Timing(kind != STILL, at, start, until, steps, every, speed)
     look = look_of(camera, target, size, kind == ".mp4")
     is_csv = render_source.is_recording(source)
-    require(is_csv or scene is None, "--scene", f"it is for a CSV, and {source} is none")
-    timing.refuse_misuse(is_csv)
+    require(is_csv or scene is None, "--scene", f"it is for a CSV, and {source} is not one")
+    timing.check_options(is_csv)
     if timing.is_film:
         _require_encoder(timing)
     output_files.refuse_unwritable(written)
@@ -159,7 +158,7 @@ def _kind_of(written: str) -> str:
 
     kind = Path(written).suffix.lower()
     known = (STILL, *film.KINDS)
-    message = f"{written} ends in none of {', '.join(known)}, which say what it is"
+    message = f"{written} must end in one of {', '.join(known)}"
     require(kind in known, "--output", message)
     return kind
 
@@ -168,7 +167,7 @@ def _require_encoder(timing: Timing) -> None:
     from somo_cli.picture import film
 
     film.require()
-    assert timing.rate, "it is judged before anything is simulated"
+    assert timing.rate, "checked before anything is simulated"
 
 
 def _simulated(
@@ -185,7 +184,7 @@ def _simulated(
         )
     why = ""
     if summary.stopped is not None:
-        why = f", where stop[{summary.stopped.condition}] ends it: {summary.stopped.reason}"
+        why = f", by stop[{summary.stopped.condition}]: {summary.stopped.reason}"
         if timing.is_film and summary.steps < steps:
             terminal.print_message(f"the film ends at {recording.times[-1]:.9g} s{why}")
             timing = dataclasses.replace(timing, until=None)

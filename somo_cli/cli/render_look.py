@@ -1,4 +1,4 @@
-"""The camera and the size of a picture, as options say them."""
+"""The camera and the size of a picture, from options."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MAX_PIXELS = 4096  # across or down
 
 
 def look_of(camera: str, target: str | None, size: str, is_even: bool) -> PictureSettings:
-    """Return what --camera, --target and --size say; with `is_even` both pixels must be even."""
+    """Return the settings of --camera, --target and --size; `is_even` requires even sizes."""
     from somo_cli.picture.draw import PictureSettings
 
     width, _, height = size.partition("x")
@@ -44,9 +44,17 @@ def _view(camera: str) -> View:
     known = f"{camera!r} is not one of {', '.join(VIEWS)}, nor YAW,PITCH or YAW,PITCH,DISTANCE"
     require("," in camera, "--camera", known)
     numbers = _numbers(camera, "--camera", (2, 3))
-    require(abs(numbers[1]) <= 90, "--camera", f"a pitch of {numbers[1]:g} is beyond 90 degrees")
+    require(
+        abs(numbers[1]) <= 90,
+        "--camera",
+        f"a pitch of {numbers[1]:g} is not from -90 to 90 degrees",
+    )
     distance = numbers[2] if len(numbers) == 3 else None
-    require(distance is None or distance > 0, "--camera", f"{distance} m is no distance")
+    require(
+        distance is None or distance > 0,
+        "--camera",
+        f"a distance of {distance} m is not greater than 0",
+    )
     return View(math.radians(numbers[0]), math.radians(numbers[1]), distance)
 
 
@@ -57,5 +65,5 @@ def _numbers(text: str, option: str, counts: tuple[int, ...]) -> tuple[float, ..
         numbers = ()
     is_right = len(numbers) in counts and all(map(math.isfinite, numbers))
     count = " or ".join(map(str, counts))
-    require(is_right, option, f"{text!r} is not {count} numbers with commas between them")
+    require(is_right, option, f"{text!r} is not {count} numbers separated by commas")
     return numbers

@@ -1,4 +1,4 @@
-"""What somo render draws: a scene that is simulated first, or rows that somo run has recorded."""
+"""The source of somo render: a scene, which is simulated, or a CSV that somo run recorded."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ if TYPE_CHECKING:
     from somo_cli.scene.model import Scene
     from somo_cli.simulation.run import RunSummary
 
-_BETWEEN = 8  # rows recorded from picture to picture, where these do not fall on steps
+_BETWEEN = 8  # rows from picture to picture, if pictures do not fall on time steps
 
 
 def is_recording(source: str) -> bool:
-    """Whether a source is a CSV of `somo run`, and not a scene."""
+    """Return whether a source is a CSV of `somo run`, not a scene."""
     return source.lower().endswith(".csv")
 
 
 def read_scene(path: str, sets: Sequence[str], access: Access) -> tuple[Document, Scene]:
-    """Read a scene, and say the warnings about it. Raises OSError and InvalidFile."""
+    """Read a scene and print its warnings. Raises OSError and InvalidFile."""
     from somo_cli import loading
 
     document = loading.load(path, sets, *access)
@@ -45,10 +45,10 @@ def read_scene(path: str, sets: Sequence[str], access: Access) -> tuple[Document
 def simulated(
     document: Document, scene: Scene, steps: int, every: float | None = None
 ) -> tuple[RecordedMotion, RunSummary]:
-    """Simulate a scene for so many steps; its recording has the last one in it.
+    """Simulate a scene for `steps` time steps and return its recording, with the last step.
 
-    With `every` [s] there are rows at its multiples, or at least several in between. Raises what
-    a run raises.
+    With `every` [s] rows are at its multiples if these fall on time steps, or several times as
+    dense. Raises the errors of a run.
     """
     from somo_cli import loading
     from somo_cli.picture.recorded_motion import RecordedMotion, scene_to_draw
@@ -78,10 +78,10 @@ def simulated(
 def recorded(
     path: str, scene: str | None, sets: Sequence[str], access: Access
 ) -> tuple[Document, RecordedMotion]:
-    """Read a CSV of `somo run` and the scene that it is of; raise OSError and InvalidFile.
+    """Read a CSV of `somo run` and its scene. Raises OSError and InvalidFile.
 
-    The scene is the one that the `.meta.json` beside it names, with what overrode it, or the one
-    given in its place.
+    The scene is the one given, or else the one that the `.meta.json` beside the CSV names, with the
+    values that were overridden.
     """
     from somo_cli.document.table import require_columns
     from somo_cli.picture.recorded_motion import RecordedMotion
@@ -96,7 +96,7 @@ def recorded(
     except FileNotFoundError as error:
         if scene is not None:
             raise
-        message = f"the scene that this was recorded of, {named}, is not there"
+        message = f"the scene of this recording, {named}, does not exist"
         place = Span(beside(path, "meta.json"), 1, 1)
         raise InvalidFile([Problem(place, message, "name it with --scene")]) from error
     terminal.print_problems(_changes(about.get("inputs", {}), document), document.texts)
@@ -106,7 +106,7 @@ def recorded(
 
 
 def _steps_between(steps: float) -> int:
-    """Return how many steps rows are apart, for pictures that are so many steps apart."""
+    """Return the steps between rows, for pictures that are `steps` time steps apart."""
     nearest = round(steps)
     if nearest >= 1 and abs(steps - nearest) <= 1e-6 * steps:
         return nearest
@@ -114,7 +114,7 @@ def _steps_between(steps: float) -> int:
 
 
 def _about(path: str, is_needed: bool) -> Mapping[str, Any]:
-    """Return what stands in the `.meta.json` beside a CSV; nothing if it is not needed."""
+    """Return the `.meta.json` beside a CSV; empty if it is missing and not needed."""
     name = beside(path, "meta.json")
     hint = "record it again, or name the scene with --scene"
     try:
@@ -122,7 +122,7 @@ def _about(path: str, is_needed: bool) -> Mapping[str, Any]:
     except FileNotFoundError as error:
         if not is_needed:
             return {}
-        message = f"there is no {Path(name).name} beside it, which says what scene it is of"
+        message = f"there is no {Path(name).name} beside it, which names its scene"
         raise InvalidFile([Problem(Span(path, 1, 1), message, hint)]) from error
     except json.JSONDecodeError as error:
         place = Span(name, error.lineno, error.colno)
@@ -133,23 +133,24 @@ def _about(path: str, is_needed: bool) -> Mapping[str, Any]:
     is_sound = is_sound and isinstance(about["overrides"], list)
     is_sound = is_sound and all(isinstance(one, str) for one in about["overrides"])
     if not is_sound or (is_needed and not about["scene"]):
-        message = "this does not say what scene the recording is of"
+        message = "this does not name the scene of the recording"
         raise InvalidFile([Problem(Span(name, 1, 1), message, hint)])
     return about
 
 
 def _changes(inputs: Mapping[str, Any], document: Document) -> Iterator[Problem]:
-    """Yield a warning for every file of a scene that is not what it was when it was run."""
-    import hashlib  # the other commands need not wait for it
+    """Yield a warning for each file of a scene that has changed since the run."""
+    import hashlib  # slow to import, and not needed by other commands
 
     first = next(iter(inputs), "")
-    known = {_relative(source, first): told for source, told in inputs.items()}
+    recorded_hashes = {_relative(source, first): one for source, one in inputs.items()}
     for source, text in document.texts.items():
-        told = known.get(_relative(source, document.source))
+        recorded_hash = recorded_hashes.get(_relative(source, document.source))
         content = text.encode("utf-8", "surrogateescape")
-        if told is not None and told != {"sha256": hashlib.sha256(content).hexdigest()}:
+        present = {"sha256": hashlib.sha256(content).hexdigest()}
+        if recorded_hash not in (None, present):
             message = "this file has changed since the run was recorded"
-            hint = "the picture has the motion of then and the shapes of now"
+            hint = "the picture shows the recorded motion with the present shapes"
             yield Problem(Span(source, 1, 1), message, hint, "warning")
 
 
@@ -166,10 +167,10 @@ def _require_all(recording: RecordedMotion, table: Table) -> None:
     if not missing:
         return
     more = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
-    message = f"there is no column '{missing[0]}'{more}, so nobody knows where everything is"
+    message = f"there is no column '{missing[0]}'{more}, so the configuration is unknown"
     kinds = {".angle_rad": "*.angle_rad", ".base_pose.": "*.base_pose.*", ".pose.": "*.pose.*"}
     patterns = [kinds[kind] for kind in kinds if any(kind in name for name in wanted)]
     options = " ".join(f"--record '{pattern}'" for pattern in patterns)
-    hint = f"somo run with {options} records all that is needed"
+    hint = f"record it with somo run {options}"
     place = table.header_span(table.names[0])
     raise InvalidFile([Problem(place, message, hint)], table.texts)

@@ -1,4 +1,4 @@
-"""When the pictures of somo render are taken, as options say it."""
+"""The times of the pictures of somo render, from its options."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MAX_PICTURES = 20_000
 
 @dataclass(frozen=True, slots=True)
 class Timing:
-    """The options, None where they are not given: times in seconds, and `steps` of a scene."""
+    """The options of time [s], and the time steps of a scene; None if not given."""
 
     is_film: bool
     at: float | None
@@ -29,12 +29,12 @@ class Timing:
     every: float | None
     speed: float
 
-    def refuse_misuse(self, is_recording: bool) -> None:
-        """End with wrong usage of options that do not go together, or are out of bounds."""
-        require(self.at is None or not self.is_film, "--at", "it is for a still, which is a .png")
+    def check_options(self, is_recording: bool) -> None:
+        """Exit with a usage error for options that exclude each other, or are out of bounds."""
+        require(self.at is None or not self.is_film, "--at", "it is for a still, a .png")
         given = {"--from": self.start, "--until": self.until, "--every": self.every}
         for option, value in given.items():
-            needs = "it is for a film, which is an .mp4 or a .gif"
+            needs = "it is for a film, an .mp4 or a .gif"
             require(value is None or self.is_film, option, needs)
         for option, value in {"--at": self.at, **given}.items():
             is_time = value is None or 0 <= value <= MAX_TIME
@@ -46,7 +46,7 @@ class Timing:
         require(self.steps is None or not is_recording, "--steps", for_scenes)
         other = "--at" if self.at is not None else "--until"
         is_one = self.steps is None or (self.at is None and self.until is None)
-        require(is_one, "--steps", f"it says the end, and so does {other}")
+        require(is_one, "--steps", f"it excludes {other}")
 
     @property
     def between(self) -> float:
@@ -57,19 +57,18 @@ class Timing:
 
     @property
     def rate(self) -> Fraction:
-        """The pictures of a film in a second of its own."""
+        """The frame rate of a film [1/s]."""
         from somo_cli.picture.film import MAX_GIF_RATE
         from somo_cli.picture.frame_times import rate_of
 
         rate = rate_of(self.between, self.speed)
-        message = f"the film would show {float(rate):g} pictures in a second: it can be 1 to"
-        require(
-            1 <= rate <= MAX_GIF_RATE, "--every", f"{message} {MAX_GIF_RATE}, that is speed / every"
-        )
+        message = f"a frame rate of {float(rate):g} per second is not from 1 to {MAX_GIF_RATE}"
+        is_rate = 1 <= rate <= MAX_GIF_RATE
+        require(is_rate, "--every", f"{message}: the frame rate is speed / every")
         return rate
 
     def steps_of(self, scene: Scene) -> int:
-        """Return how many steps of a scene have to be simulated."""
+        """Return the number of time steps to simulate."""
         from somo_cli.scene.stop_conditions import StopAtTime
 
         if self.steps is not None:
@@ -77,27 +76,27 @@ class Timing:
         end = self.until if self.is_film else self.at or 0.0
         if end is None:
             times = [stop.time for stop in scene.stop_conditions if isinstance(stop, StopAtTime)]
-            require(bool(times), "--until", "say when the film ends, here or by --steps")
+            require(bool(times), "--until", "give the end of the film, here or by --steps")
             end = min(times)
         return round(end / scene.time_step)
 
     def frame_times(self, recording: RecordedMotion, why: str = "") -> tuple[float, ...]:
-        """Return the times of the pictures [s]; `why` a recording ends where it does, if known."""
+        """Return the times of the pictures [s]; `why` is the reason of an early end, if known."""
         from somo_cli.picture.frame_times import times_of
 
         first, last = recording.times[0], recording.times[-1]
         given = (("--at", self.at), ("--from", self.start), ("--until", self.until))
-        slack = recording.scene.time_step / 2 * (1 + 1e-6)  # times of a scene fall on its steps
+        slack = recording.scene.time_step / 2 * (1 + 1e-6)  # times are rounded to time steps
         for option, value in given:
             if value is not None:
-                late = f"{value:g} s is beyond the end, {last:.9g} s{why}"
+                late = f"{value:g} s is after the end, {last:.9g} s{why}"
                 require(value <= last + slack, option, late)
                 require(value >= first - slack, option, f"{value:g} s is before {first:.9g} s")
         if not self.is_film:
             return (last if self.at is None else min(max(self.at, first), last),)
         start = first if self.start is None else max(self.start, first)
         end = last if self.until is None else min(self.until, last)
-        require(start <= end, "--from", f"{start:g} s is behind the end, {end:.9g} s")
+        require(start <= end, "--from", f"{start:g} s is after the end, {end:.9g} s")
         count = (end - start) / self.between + 1
         many = f"{count:.0f} pictures are more than {MAX_PICTURES}"
         require(count <= MAX_PICTURES, "--every", many)

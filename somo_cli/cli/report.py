@@ -1,4 +1,4 @@
-"""somo report: error against run time, measured."""
+"""somo report: measure error against run time."""
 
 import json
 import time
@@ -55,16 +55,16 @@ def report(
         typer.Option(
             "--segments",
             metavar="N,N,...",
-            help="Numbers of segments of every actuator, the continuum kept. [default: the "
+            help="Numbers of segments of every actuator, for the same continuum. [default: the "
             "scene's]",
         ),
     ] = None,
     target: Annotated[
         float,
-        typer.Option("--target", help="Error of the tip to aim at, relative to the length."),
+        typer.Option("--target", help="Target of the tip error, relative to the length."),
     ] = 0.01,
     repeats: Annotated[
-        int, typer.Option("--repeats", min=1, help="Runs for each median of the run time.")
+        int, typer.Option("--repeats", min=1, help="Number of runs for the median run time.")
     ] = 3,
     output: Annotated[
         str | None,
@@ -83,9 +83,9 @@ def report(
 ) -> None:
     """Measure error against run time, over time steps, integrators and numbers of segments.
 
-    The table on standard output ends with what to choose. Errors are those of positions, angles
-    and energy against the same scene at vanishing step, or against the closed form that the scene
-    names; run times are those of the stepping loop alone.
+    The table on standard output ends with a recommendation. Errors of positions, angles and energy
+    are against the limit of the scene for vanishing time steps, or against the closed form that the
+    scene names. Run times are those of the stepping loop alone.
     """
     from somo_cli import loading
     from somo_cli.analysis import closed_form_references, study_export, study_report
@@ -129,15 +129,15 @@ def report(
 
 @contextmanager
 def _reference_of(document: "Document") -> Iterator[None]:
-    """Blame the reference that a scene names for not being about that scene."""
+    """Report a closed form that does not describe the scene, at the line that names it."""
     from somo_cli.analysis.reference_scene import ReferenceMismatch
 
     try:
         yield
     except ReferenceMismatch as error:
         name = document.at(("reference",))
-        message = f"this scene is not what the closed form '{name}' is about: {error}"
-        hint = "leave reference out to measure against the scene at vanishing step"
+        message = f"the closed form '{name}' does not describe this scene: {error}"
+        hint = "leave reference out to measure errors against vanishing time steps"
         place = document.span(("reference",))
         raise InvalidFile([Problem(place, message, hint)], document.texts) from error
 
@@ -154,7 +154,7 @@ def _steps(text: str | None, own: float) -> tuple[float, ...]:
         steps = tuple(dict.fromkeys(float(part) for part in text.split(",")))
     except ValueError:
         raise typer.BadParameter(
-            f"{text!r} is not numbers with commas between them", param_hint="'--time-steps'"
+            f"{text!r} is not a list of numbers, such as 0.001,0.002", param_hint="'--time-steps'"
         ) from None
     for step in steps:
         require(0 < step <= 1, "--time-steps", f"{step} is not greater than 0 and at most 1")

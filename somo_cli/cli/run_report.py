@@ -1,4 +1,4 @@
-"""What `somo run` reports when it has ended: a summary, warnings, the estimated error."""
+"""The summary, the warnings and the estimated error at the end of `somo run`."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 def summary_lines(
     prepared: "PreparedRun", summary: "RunSummary", targets: Targets, events: int | None
 ) -> list[str]:
-    """Return what ended the run, what was written where, and how long it took."""
+    """Return the reason of an early end, the files written, and the run time, as lines."""
     output, of_events = targets
     plan, simulated = prepared.plan, summary.steps * prepared.plan.time_step
     lines = []
@@ -33,7 +33,7 @@ def summary_lines(
 
 
 def penetration_warning(prepared: "PreparedRun", summary: "RunSummary") -> str | None:
-    """Return a warning if bodies were so deep in each other that contact was not followed."""
+    """Return a warning if penetration was too deep for the contact to be accurate, else None."""
     from somo_cli.simulation.monitoring import penetration
 
     if summary.deepest is None or not summary.deepest.is_deep:
@@ -43,7 +43,7 @@ def penetration_warning(prepared: "PreparedRun", summary: "RunSummary") -> str |
 
 
 def plain_estimate(estimate: "ErrorEstimate", names: Sequence[str]) -> dict[str, object]:
-    """Return the estimated error of every column as plain values, for the metadata."""
+    """Return the estimated error of every column as values for JSON."""
     return {
         "method": "the same scene at half the step",
         "order": estimate.order,
