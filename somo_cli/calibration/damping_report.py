@@ -9,20 +9,8 @@ from somo_cli.analysis.text_table import table_lines
 from somo_cli.calibration.damping import Mode
 from somo_cli.calibration.report import with_error
 from somo_cli.calibration.ring_down import RingDown
-from somo_cli.manipulator.definition import Definition
 
 MAX_FREQUENCY_ERROR = 0.05  # of the model, relative, above which there is a warning
-
-
-def axis_stiffness(definition: Definition, actuator: int, axis: int) -> list[float]:
-    """Return the stiffness of the joint definitions of an axis [N·m/rad]; one if all are equal."""
-    one = definition.actuators[actuator]
-    found = [
-        joint.stiffness
-        for channel, joint in zip(one.channels, one.joints, strict=True)
-        if channel == axis and joint.joint_type != "fixed"
-    ]
-    return found if len(set(found)) > 1 else found[:1]
 
 
 def lines(

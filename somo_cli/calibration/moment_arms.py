@@ -163,19 +163,6 @@ def _skew_axis(one: ActuatorDefinition, axis: int, direction: Vector) -> int | N
     return None
 
 
-def first_joint_stiffness(definition: Definition | None, actuator: int, axis: int) -> float | None:
-    """Return the stiffness of the first moving joint of an axis [N·m/rad]; None if it has none."""
-    if definition is None:
-        return None
-    one = definition.actuators[actuator]
-    moving = (
-        joint.stiffness
-        for channel, joint in zip(one.channels, one.joints, strict=True)
-        if channel == axis and joint.joint_type != "fixed"
-    )
-    return next(moving) or None
-
-
 def of_uniform_actuator(
     length: float,
     joints: int,

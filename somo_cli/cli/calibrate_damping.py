@@ -89,6 +89,7 @@ def damping(
     stiffness are wrong.
     """
     from somo_cli.calibration import damping_report
+    from somo_cli.calibration.axis_stiffness import axis_stiffness
 
     require((ratio is None) != (ring_down is None), "--ratio", "give --ratio or --ring-down")
     is_ratio = ratio is None or 0 <= ratio < 10
@@ -103,7 +104,7 @@ def damping(
     wanted = ratio if swing is None else swing.ratio
     assert wanted is not None
     definition = found.manipulators[0].compiled.definition
-    stiffness = damping_report.axis_stiffness(definition, actuator, axis)
+    stiffness = axis_stiffness(definition, actuator, axis)
     if as_json:
         data = damping_report.plain_data(mode, swing, wanted, stiffness)
         typer.echo(json.dumps(data, indent=2))

@@ -111,8 +111,8 @@ def stiffness(
     highest frequency to the first determines how short explicit time steps must be.
     """
     from somo_cli.calibration import report
+    from somo_cli.calibration.axis_stiffness import first_joint_stiffness
     from somo_cli.calibration.beam_comparison import compare_placements, compare_with_beam
-    from somo_cli.calibration.moment_arms import first_joint_stiffness
 
     which = parse_rule(rule)
     known = joints_to_calibrate(
