@@ -25,7 +25,7 @@ def test_more_points_than_hold_a_body_shake_no_less_quietly(shape: str) -> None:
     """Two points of each of four fingers: their share of the force is not determined."""
     found = verdict(Grasp("lifted", 4, shape=shape), 1e-3)
     assert found.shaking < 1e-5
-    assert found.grip < 1e-3
+    assert found.grip < 5e-3
 
 
 def test_a_verdict_fails_what_shakes_slips_or_is_off() -> None:
