@@ -78,7 +78,8 @@ class SimulationLoop:
                 assembler.take(step)
             for apply in applies:
                 apply()
-            if step == first:
+            if step == first and step + 1 < until:
+                # not beyond: a check that is due there is for the state there
                 applies = self._applies(step + 1)
             step_world()
             for read in reads:

@@ -27,6 +27,10 @@ class MonitoringSchedule:
         """Whether the solver's iterations are chosen anew at a step, from the contacts there."""
         return step % self._contact_interval == 0
 
+    def is_pause(self, step: int) -> bool:
+        """Whether any check is due at a step."""
+        return self.checks_motion(step) or self.checks_contact(step)
+
     def pause_after(self, step: int, last: int) -> int:
         """Return the first step after `step` with a check, or `last` if that comes first."""
         return min(

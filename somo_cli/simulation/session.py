@@ -83,6 +83,8 @@ class Session:
 
         Raises SimulationDiverged.
         """
+        if not (is_last or self.schedule.is_pause(self.step)):
+            return  # the user paused here: what a check starts must not depend on that
         if is_last or self.schedule.checks_motion(self.step):
             self.divergence.update(self.step)
         if self._penetration is not None:

@@ -38,6 +38,20 @@ def test_the_trajectory_is_that_of_a_run_in_whatever_pieces(name: str) -> None:
             simulation.reset()
 
 
+def test_objects_move_the_same_step_by_step_and_all_at_once() -> None:
+    """A step at a time, checks of sliding and of spin were made where the user paused."""
+    document = somo.load(DEFINITIONS / "tumble_scene.yaml")
+    with somo.Simulation(document) as single, somo.Simulation(document) as whole:
+        for _ in range(200):
+            single.step()
+        whole.step(200)
+        for name in whole.objects:
+            found = (*single.object_pose(name), *single.object_velocity(name))
+            expected = (*whole.object_pose(name), *whole.object_velocity(name))
+            for one, other in zip(found, expected, strict=True):
+                assert np.array_equal(one, other)
+
+
 def test_what_it_tells_is_what_a_run_records() -> None:
     result = somo.simulate(
         SCENE,
