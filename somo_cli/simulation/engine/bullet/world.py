@@ -40,13 +40,12 @@ class BulletWorld:
         self._start = -1  # the engine's number of the state after loading
         self.bodies: list[BulletBody] = []
         self.objects: list[BulletObject] = []
-        self._numbers: dict[int, int] = {}
         self.step: Callable[[], object] = self._raise_not_entered
         self._link_indices: dict[
             tuple[int, int], LinkIndex
         ] = {}  # of the engine's bodies and links
         self._ground_indices: list[int] = []
-        self._contact_count = 0  # of contact, when last looked at
+        self._contact_count = 0  # points, at the last check of contact
         self._iterations = collision_filter.MAX_ITERATIONS
         self._corrections: StepCorrections | None = None
 
