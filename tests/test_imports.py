@@ -44,7 +44,7 @@ API = RUN | {"api"}
 JUDGED = LOADING | {"analysis", "arrays", "simulation.dynamics", "simulation.plan"}
 
 FINGER = "finger.yaml"
-SCENE = "scene.yaml"  # with cubic way-points
+SCENE = "scene.yaml"  # with cubic waypoints
 TUMBLE = "tumble_scene.yaml"  # with a mesh
 REPORT = ("report", FINGER, "--duration", "0.04", "--time-steps", "0.004")
 STIFFNESS = ("calibrate", "stiffness", FINGER)

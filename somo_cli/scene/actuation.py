@@ -46,7 +46,7 @@ class WaypointProfile:
 
 @dataclass(frozen=True, slots=True)
 class WaveProfile:
-    """A wave as a profile of its own, beside way-points."""
+    """A wave as a profile of its own, beside waypoints."""
 
     wave: Wave
 

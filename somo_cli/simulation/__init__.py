@@ -1,1 +1,1 @@
-"""The file brought to life: scene, plan, spring-damper law, engine, recorder and run."""
+"""A scene simulated: the plan, the engine, the law, monitors and recording, and the run of them."""

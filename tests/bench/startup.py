@@ -24,7 +24,7 @@ COMMANDS = {
     "build finger.yaml": ["build", FINGER],
     "check scene.yaml": ["check", SCENE],
     "run finger.yaml --steps 1": ["run", FINGER, "--steps", "1"],
-    "run scene.yaml --steps 1 (cubic way-points)": ["run", SCENE, "--steps", "1"],
+    "run scene.yaml --steps 1 (cubic waypoints)": ["run", SCENE, "--steps", "1"],
     "calibrate stiffness finger.yaml": ["calibrate", "stiffness", FINGER],
     "check scene.yaml --numerics": ["check", SCENE, "--numerics"],
 }

@@ -50,7 +50,7 @@ class Case:
 
 
 def finger(name: str, torque: Any = None, **changes: Any) -> Data:
-    """Return a finger of a scene, with a torque in its joints about x: constant, or way-points."""
+    """Return a finger of a scene, with a torque in its joints about x: constant, or waypoints."""
     data: Data = {"name": name, "definition": "finger.yaml", "surface": {"friction": 0.8}}
     if torque is not None:
         key = "waypoints" if isinstance(torque, list) else "torque"

@@ -16,7 +16,7 @@ KINDS: tuple[Interpolation, ...] = ("step", "linear", "cubic")
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_every_way_point_is_met(kind: Interpolation) -> None:
+def test_every_waypoint_is_met(kind: Interpolation) -> None:
     signal = piecewise_signal(POINTS, kind, repeat=False)
     assert [signal.at(time) for time, _ in POINTS] == pytest.approx([value for _, value in POINTS])
 

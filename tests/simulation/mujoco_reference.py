@@ -174,7 +174,7 @@ def prescribed_trajectory(
             a = rate_of(t, now)
             b = rate_of(t + h / 2, now + h / 2 * a)
             c = rate_of(t + h / 2, now + h / 2 * b)
-            d = rate_of(t + h - 1e-12, now + h * c)  # at a way-point, of the piece before it
+            d = rate_of(t + h - 1e-12, now + h * c)  # at a waypoint, of the piece before it
             now = now + h / 6 * (a + 2 * b + 2 * c + d)
         done = round(time / h)
         rows.append(now[:n])

@@ -75,7 +75,7 @@ def _pose_problems(
             found = True
         if points[-1][0] <= 0:
             message = f"a repeated motion has a period of {points[-1][0]} s"
-            hint = "the time of the last way-point is the period"
+            hint = "the time of the last waypoint is the period"
             yield Problem(document.span(last), message, hint)
             found = True
         elif points[-1][1:] != points[0][1:]:

@@ -1,4 +1,4 @@
-"""Faults of way-points over time, whatever it is that goes through them."""
+"""Faults of waypoints over time, whatever it is that goes through them."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def waypoint_problems(
             yield Problem(
                 document.span((*at, "waypoints", number)),
                 f"time {points[number][0]} s does not come after {points[number - 1][0]} s",
-                f"way-points are [time, {quantity}], and each has a later time than the one before",
+                f"waypoints are [time, {quantity}], and each has a later time than the one before",
             )
     if data.get("repeat"):
         yield from _repeat_problems(document, at, data, quantity, unit)
@@ -34,17 +34,17 @@ def _repeat_problems(
     points = data["waypoints"]
     first, last = (*at, "waypoints", 0), (*at, "waypoints", len(points) - 1)
     if points[0][0] < 0:
-        message = f"repeated way-points start at time {points[0][0]} s, before 0"
+        message = f"repeated waypoints start at time {points[0][0]} s, before 0"
         yield Problem(document.span(first), message, "start at time 0 or later")
     if points[-1][0] <= 0:
-        message = f"repeated way-points have a period of {points[-1][0]} s"
-        hint = "the time of the last way-point is the period"
+        message = f"repeated waypoints have a period of {points[-1][0]} s"
+        hint = "the time of the last waypoint is the period"
         yield Problem(document.span(last), message, hint)
     if data.get("interpolation") != "cubic":
         return
     if points[0][0] > 0:
         message = f"a repeated cubic starts at time 0, not {points[0][0]} s"
-        yield Problem(document.span(first), message, "add a way-point at time 0")
+        yield Problem(document.span(first), message, "add a waypoint at time 0")
     if points[0][1] != points[-1][1]:
         yield Problem(
             document.span(last),

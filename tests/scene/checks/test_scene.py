@@ -72,7 +72,7 @@ def test_a_base_that_is_held_has_no_velocity() -> None:
         assert told(**{key: [0, 0, 1], "base": "free"}) == []
 
 
-def test_a_drive_has_torque_or_way_points() -> None:
+def test_a_drive_has_torque_or_waypoints() -> None:
     assert [message for _, message in told_of_drive()] == [
         "missing torque, pressure, wave, trajectory or waypoints"
     ]
@@ -131,8 +131,8 @@ def test_times_increase() -> None:
         ([[0, 1], [1, 2]], "linear", []),
         ([[0.5, 1], [1, 2]], "step", []),
         ([[0, 1], [1, 2], [3, 1]], "cubic", []),
-        ([[-1, 1], [1, 2]], "linear", ["repeated way-points start at time -1 s, before 0"]),
-        ([[0, 1]], "step", ["repeated way-points have a period of 0 s"]),
+        ([[-1, 1], [1, 2]], "linear", ["repeated waypoints start at time -1 s, before 0"]),
+        ([[0, 1]], "step", ["repeated waypoints have a period of 0 s"]),
         ([[0.5, 1], [1, 1]], "cubic", ["a repeated cubic starts at time 0, not 0.5 s"]),
         (
             [[0, 1], [1, 2]],
@@ -143,8 +143,8 @@ def test_times_increase() -> None:
             [[-2, 1], [-1, 1]],
             "linear",
             [
-                "repeated way-points start at time -2 s, before 0",
-                "repeated way-points have a period of -1 s",
+                "repeated waypoints start at time -2 s, before 0",
+                "repeated waypoints have a period of -1 s",
             ],
         ),
     ],
@@ -214,7 +214,7 @@ def test_a_load_is_on_a_link_and_does_something() -> None:
     assert told(loads=[{**push, "link": "base"}], base="free") == []
 
 
-def test_way_points_of_a_load_are_judged_like_those_of_a_torque() -> None:
+def test_waypoints_of_a_load_are_judged_like_those_of_a_torque() -> None:
     points = {"waypoints": [[0, 1], [0, 1], [2, 0.5]], "interpolation": "cubic", "repeat": True}
     messages = [message for _, message in told(loads=[{"force": [1, 0, 0], **points}])]
     assert messages == [
