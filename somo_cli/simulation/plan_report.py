@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from somo_cli.scene import columns
 from somo_cli.simulation import savings
+from somo_cli.simulation.integrator.contact_prediction import MOST_POINTS
 from somo_cli.simulation.integrator.object_rotation import (
     ACCELERATION_ERROR,
     ENERGY_GROWTH,
@@ -131,7 +132,8 @@ def _prediction_decision(plan: Plan) -> Decision:
     what = "prediction of contact forces"
     if plan.integrator == "explicit":
         return Decision(what, False, "the explicit integrator does without")
-    return Decision(what, True, "where bodies press, since a force that comes late shakes a grasp")
+    why = f"where bodies press at up to {MOST_POINTS} points, since a late force shakes a grasp"
+    return Decision(what, True, why)
 
 
 def _joint_decisions(plan: Plan) -> Iterator[Decision]:
