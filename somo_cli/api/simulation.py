@@ -24,6 +24,7 @@ from somo_cli.simulation.dynamics.forward_kinematics import (
 from somo_cli.simulation.engine import contacts
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.integrator.body_stepper import BodyStepper
+from somo_cli.simulation.monitoring.findings import Finding
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.units import unit_factors_of
 from somo_cli.simulation.session import Session
@@ -176,6 +177,10 @@ class Simulation:
         touching = contacts.contacts_on(session.world.contact_points(), self._numbers[name])
         return np.array(contacts.total_force(touching)[:3]) / self._units.force
 
+    def findings(self) -> tuple[Finding, ...]:
+        """Return what was found so far of contact that no rigid body does, in order of time."""
+        return self._require_open().findings()
+
     def set_torque(self, manipulator: str, *, actuator: int, axis: int, torque: float) -> None:
         """Have a torque [N·m] act on each joint of an actuator about an axis, from now on.
 
@@ -195,6 +200,7 @@ class Simulation:
                 f"it has (actuator, axis) {known}"
             )
         stepper.actuation.give_torque(joints, torque, self._units.torque)
+        self._session.note_drive()
 
     def _open(self) -> None:
         world = BulletWorld(self._plan)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from somo_cli import output_files, terminal
-from somo_cli.cli import render_source
+from somo_cli.cli import render_source, run_report
 from somo_cli.cli.application import (
     EXIT_CODES,
     OutsideOption,
@@ -173,15 +173,11 @@ def _require_encoder(timing: Timing) -> None:
 def _simulated(
     document: "Document", scene: "Scene", timing: Timing
 ) -> "tuple[RecordedMotion, tuple[float, ...]]":
-    from somo_cli.simulation.monitoring import penetration
-
     steps = timing.steps_of(scene)
     spacing = timing.between if timing.is_film else None
     recording, summary = render_source.simulated(document, scene, steps, spacing)
-    if summary.deepest is not None and summary.deepest.is_deep:
-        terminal.print_message(
-            f"somo: warning: {penetration.penetration_warning(summary.deepest, scene.time_step)}"
-        )
+    for line in run_report.finding_lines(summary):
+        terminal.print_message(line)
     why = ""
     if summary.stopped is not None:
         why = f", by stop[{summary.stopped.condition}]: {summary.stopped.reason}"

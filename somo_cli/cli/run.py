@@ -77,6 +77,14 @@ def run(
             "whatever the scene records. Repeatable.",
         ),
     ] = None,
+    is_strict: Annotated[
+        bool,
+        typer.Option(
+            "--strict",
+            help="Exit with 1 if the run finds that contact did what no rigid body does: a force "
+            "that shakes, contact lost or missed, energy gained, bodies deep in each other.",
+        ),
+    ] = False,
     events: Annotated[
         str | None,
         typer.Option(
@@ -126,7 +134,9 @@ def run(
     prepared = runs.prepare(document, planned, warnings, keeps_unused)
     if explains:
         terminal.print_lines(map(str, plan_report.explain(prepared.plan)))
-    _simulate(prepared, steps, targets, sets or [], with_error, quiet)
+    summary = _simulate(prepared, steps, targets, sets or [], with_error, quiet)
+    if is_strict and summary.findings:
+        raise typer.Exit(1)
 
 
 def _step(text: str | None) -> "float | Auto | None":
@@ -151,7 +161,7 @@ def _simulate(
     sets: Sequence[str],
     with_error: bool,
     quiet: bool,
-) -> None:
+) -> "RunSummary":
     from somo_cli.simulation.recording.csv_writer import RowSpool
 
     output, _ = targets
@@ -176,14 +186,14 @@ def _simulate(
         )
     if not quiet:
         terminal.print_lines(run_report.summary_lines(prepared, summary, targets, events))
-    warning = run_report.penetration_warning(prepared, summary)
-    if warning is not None:
-        terminal.print_message(warning)
+    for line in run_report.finding_lines(summary):
+        terminal.print_message(line)
     if estimate is not None:
         terminal.print_lines(run_report.estimate_table(estimate, names[1:]))
     if failure is not None:
         terminal.print_message("somo: there is no estimate of the error: at half the step")
         raise failure
+    return summary
 
 
 def _recorded(

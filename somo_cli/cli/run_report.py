@@ -32,14 +32,12 @@ def summary_lines(
     return lines
 
 
-def penetration_warning(prepared: "PreparedRun", summary: "RunSummary") -> str | None:
-    """Return a warning if penetration was too deep for the contact to be accurate, else None."""
-    from somo_cli.simulation.monitoring import penetration
-
-    if summary.deepest is None or not summary.deepest.is_deep:
-        return None
-    warning = penetration.penetration_warning(summary.deepest, prepared.plan.time_step)
-    return f"somo: warning: {warning}"
+def finding_lines(summary: "RunSummary") -> list[str]:
+    """Return a warning and a hint for each finding of a run, as lines."""
+    lines = []
+    for one in summary.findings:
+        lines += [f"somo: warning: {one.message} [{one.code}]", f"  hint: {one.hint}"]
+    return lines
 
 
 def plain_estimate(estimate: "ErrorEstimate", names: Sequence[str]) -> dict[str, object]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias, get_args
 
 from somo_cli.manipulator.dimensions import AngularRate, Length, Time, Velocity
 
@@ -13,6 +13,13 @@ AXIS_NAMES = ("x", "y", "z")
 DEFAULT_REST_DURATION = 0.5  # s
 DEFAULT_REST_SPEED = 1e-4  # m/s
 DEFAULT_REST_RATE = 1e-3  # rad/s
+
+FindingCode: TypeAlias = Literal[
+    "contact-energy", "contact-lost", "contact-missed", "contact-shakes", "deep-penetration"
+]
+"""What a run may find of contact that no rigid body does."""
+FINDING_CODES: tuple[FindingCode, ...] = get_args(FindingCode)
+ANY_FINDING = "any"
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +52,14 @@ class StopAtRest:
     rate: AngularRate
 
 
-StopCondition: TypeAlias = StopAtTime | StopOutsideBox | StopAtRest
+@dataclass(frozen=True, slots=True)
+class StopOnFinding:
+    """It ends when the run has found one of these."""
+
+    codes: tuple[str, ...]
+
+
+StopCondition: TypeAlias = StopAtTime | StopOutsideBox | StopAtRest | StopOnFinding
 
 
 def read_stop_conditions(items: Sequence[Mapping[str, Any]]) -> tuple[StopCondition, ...]:
@@ -56,6 +70,9 @@ def read_stop_conditions(items: Sequence[Mapping[str, Any]]) -> tuple[StopCondit
 def _read_stop_condition(data: Mapping[str, Any]) -> StopCondition:
     if "time" in data:
         return StopAtTime(float(data["time"]))
+    if "findings" in data:
+        codes = data["findings"]
+        return StopOnFinding(FINDING_CODES if codes == ANY_FINDING else tuple(map(str, codes)))
     if "at_rest" in data:
         rest = data["at_rest"]
         return StopAtRest(

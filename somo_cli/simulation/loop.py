@@ -44,6 +44,8 @@ class SimulationLoop:
         self._counts = [body_stepper.work.count_step for body_stepper in body_steppers]
         self._assembler = assembler
         self._contact_monitor = contact_monitor
+        self.is_steady = False
+        """Whether nothing that acts changed in the last `advance`."""
         is_foreseen = plan.can_touch and plan.integrator != "explicit"
         self._prediction = (
             ContactPrediction(plan, world, world.contact_reader(), body_steppers)
@@ -69,7 +71,7 @@ class SimulationLoop:
         reads, counts, every = self._reads, self._counts, self._plan.every
         # the next step with a row, if rows are recorded
         row = until if assembler is None else first + -first % every
-        is_steady = self._is_steady(first, until)
+        is_steady = self.is_steady = self._is_steady(first, until)
         applies = self._applies(first)
         for step in range(first, until):
             if not is_steady and step > first:

@@ -39,6 +39,7 @@ def metadata(
         "expected_tip_error_relative": expected_tip_error,
         "steps": summary.steps,
         "stopped_by": _stopped_by(summary),
+        "findings": [one.plain_data() for one in summary.findings],
         "record_every": plan.every,
         "rows": summary.rows,
         "plan": plan_report.plain_data(plan),

@@ -10,6 +10,7 @@ import numpy as np
 
 from somo_cli.simulation.engine.interface import World
 from somo_cli.simulation.monitoring.contact_events import ContactEvent
+from somo_cli.simulation.monitoring.findings import Finding
 from somo_cli.simulation.monitoring.penetration import Penetration
 from somo_cli.simulation.monitoring.stop_monitor import StopMonitor, StopReason
 from somo_cli.simulation.plan.model import Plan
@@ -23,8 +24,9 @@ MAX_LIVE_DELAY = 0.05  # s for which a row may wait, beyond the interval between
 class RunSummary:
     """What happened: steps done, rows written, and the wall time of the stepping loop [s].
 
-    `stopped` is the condition of the scene that ended the run, if one did, and `deepest` the
-    deepest penetration seen, None where nothing was inside anything.
+    `stopped` is the condition of the scene that ended the run, if one did, `deepest` the deepest
+    penetration seen, None where nothing was inside anything, and `findings` is what was seen of
+    contact that no rigid body does.
     """
 
     steps: int
@@ -32,6 +34,7 @@ class RunSummary:
     wall_time: float
     stopped: StopReason | None = None
     deepest: Penetration | None = None
+    findings: tuple[Finding, ...] = ()
 
 
 @np.errstate(over="ignore", invalid="ignore")  # the divergence monitor reports both
@@ -55,7 +58,7 @@ def run(
     session = Session(plan, world, write, on_event)
     assembler = session.assembler
     assert assembler is not None, "rows are written"
-    stop_monitor = StopMonitor(plan, world, session.steppers, steps)
+    stop_monitor = StopMonitor(plan, world, session.steppers, steps, session.findings)
     flusher = _Flusher(assembler, clock, is_live)
     stopped: StopReason | None = None
     started = clock()
@@ -84,6 +87,7 @@ def run(
         clock() - started,
         stopped or stop_monitor.at_step(session.step),
         session.deepest,
+        session.findings(),
     )
 
 

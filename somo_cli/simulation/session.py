@@ -16,9 +16,11 @@ from somo_cli.simulation.integrator.kinematic_object import KinematicObjectStepp
 from somo_cli.simulation.integrator.prescribed_base import PrescribedBase
 from somo_cli.simulation.loop import SimulationLoop
 from somo_cli.simulation.monitoring.contact_events import ContactEvent, ContactMonitor
+from somo_cli.simulation.monitoring.contact_findings import ContactFindings
 from somo_cli.simulation.monitoring.divergence import DivergenceMonitor
+from somo_cli.simulation.monitoring.findings import Finding
 from somo_cli.simulation.monitoring.object_motion import motions_of_objects
-from somo_cli.simulation.monitoring.penetration import Penetration, PenetrationMonitor
+from somo_cli.simulation.monitoring.penetration import Penetration
 from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.recording.row_assembler import RowAssembler, RowWriter
 from somo_cli.simulation.schedule import MonitoringSchedule
@@ -46,11 +48,9 @@ class Session:
         self.steppers = [_body_stepper(plan, world, number) for number in range(len(plan.bodies))]
         kinematic = _kinematic_objects(plan, world)
         begin(plan, world, self.steppers, kinematic)
+        motions = motions_of_objects(plan, world)
         self.divergence = DivergenceMonitor(
-            plan,
-            self.steppers,
-            _input_by_objects(plan, world, kinematic),
-            motions_of_objects(plan, world),
+            plan, self.steppers, _input_by_objects(plan, world, kinematic), motions
         )
         self.assembler = (
             None
@@ -61,7 +61,18 @@ class Session:
         self._loop = SimulationLoop(
             plan, world, self.steppers, kinematic, self.assembler, contact_monitor
         )
-        self._penetration = PenetrationMonitor(plan, world) if plan.can_touch else None
+        self._contact = (
+            ContactFindings(
+                plan,
+                world,
+                self.steppers,
+                motions,
+                lambda: sum(one.energy_so_far for one in kinematic),
+            )
+            if plan.can_touch
+            else None
+        )
+        self._is_driven = False  # since the last check
         self.schedule = MonitoringSchedule(plan)
 
     @property
@@ -72,7 +83,15 @@ class Session:
     @property
     def deepest(self) -> Penetration | None:
         """The deepest penetration so far, None where nothing was inside anything."""
-        return None if self._penetration is None else self._penetration.deepest
+        return None if self._contact is None else self._contact.penetration.deepest
+
+    def findings(self) -> tuple[Finding, ...]:
+        """Return what was found of contact so far, in order of time."""
+        return () if self._contact is None else self._contact.found()
+
+    def note_drive(self) -> None:
+        """Note that something from outside has changed what drives the bodies."""
+        self._is_driven = True
 
     def actuate(self) -> None:
         """Set the torques and loads of the step that starts at the present state."""
@@ -87,15 +106,29 @@ class Session:
             return  # the user paused here: what a check starts must not depend on that
         if is_last or self.schedule.checks_motion(self.step):
             self.divergence.update(self.step)
-        if self._penetration is not None:
-            self._penetration.update(self.step)
+        contact = self._contact
+        if contact is not None:
+            contact.penetration.update(self.step)
+            if self.schedule.checks_motion(self.step):
+                contact.update(self.step, self._is_driven)
+                self._is_driven = False
             if self.schedule.checks_contact(self.step):  # at the last step it changes nothing
                 self.world.adapt_solver_iterations()
 
     def advance(self, until: int) -> None:
-        """Advance to step `until`, no farther than the next check; `actuate` comes before."""
+        """Advance to step `until`, no farther than the next check; `actuate` comes before.
+
+        Where the monitor of contact wants to sample every step, it is one step.
+        """
+        contact = self._contact
+        if contact is not None and contact.wants_every_step:
+            until = self.step + 1
         self._loop.advance(self.step, until)
         self.step = until
+        if contact is not None:
+            self._is_driven |= not self._loop.is_steady
+            if contact.wants_every_step:
+                contact.sample()
 
     def record_last(self) -> None:
         """Record the present state as the last row; the bodies may end half a step beyond it."""

@@ -11,7 +11,8 @@ from somo_cli.problems import Pointer, Problem, did_you_mean
 from somo_cli.scene.stop_conditions import AXIS_NAMES
 
 _CONDITION_FORMS = (
-    "give time: 2.0, or object: NAME and leaves: {z: [0.02, 0.5]}, or at_rest: {for: 0.5}"
+    "give time: 2.0, or object: NAME and leaves: {z: [0.02, 0.5]}, or at_rest: {for: 0.5}, "
+    "or findings: any"
 )
 
 
@@ -39,7 +40,7 @@ def _condition_problems(
     objects: Sequence[Mapping[str, Any]],
     are_objects_sound: bool,
 ) -> Iterator[Problem]:
-    kinds = [key for key in ("time", "leaves", "at_rest") if key in data]
+    kinds = [key for key in ("time", "leaves", "at_rest", "findings") if key in data]
     if len(kinds) > 1:
         message = f"{' and '.join(kinds)} are {len(kinds)} conditions, not one"
         yield Problem(document.span((*at, kinds[1]), key=True), message, "list each by itself")

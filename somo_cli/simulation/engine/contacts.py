@@ -13,6 +13,9 @@ LinkIndex: TypeAlias = tuple[int, int]
 """A body and one of its links. Bodies are counted in the order of the plan, then objects, then
 the ground; links as in the chain, 0 the base."""
 
+BodyPair: TypeAlias = tuple[int, int]
+"""Two bodies as a `LinkIndex` counts them, the lower number first."""
+
 
 class ContactPoint(NamedTuple):
     """One contact point in the last step, in engine units and the world's axes.

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
 from somo_cli.arrays import Array
 from somo_cli.manipulator.geometry import Matrix, Vector
 from somo_cli.manipulator.kinematics import Pose
-from somo_cli.simulation.engine.contacts import ContactPoint, LinkIndex
+from somo_cli.simulation.engine.contacts import BodyPair, ContactPoint, LinkIndex
 from somo_cli.simulation.engine.pressing import ContactReader
 
 
@@ -154,6 +154,9 @@ class World(Protocol):
 
     def penetrations(self) -> Sequence[tuple[LinkIndex, LinkIndex, float]]:
         """Return which parts were how deep in each other in the last step; depths above 0 only."""
+
+    def normal_forces(self) -> Mapping[BodyPair, float]:
+        """Return the sum of normal forces between each two bodies that pressed in the last step."""
 
     def contact_reader(self) -> ContactReader:
         """Return what reads the contact points that press."""

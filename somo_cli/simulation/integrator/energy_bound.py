@@ -43,7 +43,7 @@ class BodyEnergy:
         )
         self._gravity_work = 0.0
         self._has_started = False
-        self._work = 0.0
+        self._work = self._added = 0.0
         self._max_work = 0.0
         self._angles: Array = np.zeros(len(body.chain.joints))
 
@@ -60,6 +60,11 @@ class BodyEnergy:
         if self._start is not None:
             return self.bound
         return self._given_energy - self._max_gravity_work + self._max_work
+
+    @property
+    def work(self) -> float:
+        """What actuation and loads have put in so far, and the bound on that of other sources."""
+        return self._work + self._added
 
     def update(self, angles: Array, rates: Array, mass: Array) -> None:
         """Update with angles and rates, shape (n,), and the joint-space inertia, shape (n, n)."""
@@ -105,6 +110,7 @@ class BodyEnergy:
     def add_energy(self, energy: float) -> None:
         """Add energy from other sources than actuation and loads to the bound."""
         self._given_energy += energy
+        self._added += energy
 
     def bound_base_fall(self, distance: float) -> None:
         """Add what gravity can do while the base moves by a distance to the bound."""

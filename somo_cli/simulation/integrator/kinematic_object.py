@@ -66,6 +66,11 @@ class KinematicObjectStepper:
         self._energy_bound += self._work_bound.contact_work(self._contact_force())
         return self._energy_bound
 
+    @property
+    def energy_so_far(self) -> float:
+        """The bound as it was when `energy_bound` was last asked for."""
+        return self._energy_bound
+
     def _velocity_between(self, first: Pose, second: Pose) -> Array:
         turn = geometry.multiply(second.rotation, geometry.transposed(first.rotation))
         way = geometry.subtract(second.position, first.position)

@@ -7,11 +7,14 @@ run may stay finite and look right.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from somo_cli.manipulator.chain import Link
 from somo_cli.manipulator.dimensions import Dimension
+from somo_cli.simulation.engine.contacts import LinkIndex
 from somo_cli.simulation.engine.interface import World
+from somo_cli.simulation.monitoring.findings import Finding, half_step_hint
 from somo_cli.simulation.plan.model import Plan
 
 DEEP_PENETRATION_RATIO = 0.2  # of the thickness of the thinner of two bodies
@@ -41,6 +44,8 @@ class PenetrationMonitor:
 
     def __init__(self, plan: Plan, world: World) -> None:
         self.deepest: Penetration | None = None
+        self.last: Sequence[tuple[LinkIndex, LinkIndex, float]] = ()
+        """Which parts were how deep in each other at the last sample [engine units]."""
         self._world = world
         self._time_step = plan.time_step
         self._metre = plan.scale.factor(Dimension(length=1))
@@ -51,13 +56,31 @@ class PenetrationMonitor:
 
     def update(self, step: int) -> None:
         """Sample the depths of the last step."""
-        for first, second, depth in self._world.penetrations():
+        self.last = self._world.penetrations()
+        for first, second, depth in self.last:
             depth_ratio = depth / min(self._thickness_of(first), self._thickness_of(second))
             if self.deepest is None or depth_ratio > self.deepest.depth_ratio:
                 names = self._names[first[0]], self._names[second[0]]
                 self.deepest = Penetration(
                     step * self._time_step, depth / self._metre, depth_ratio, names
                 )
+
+    def finding(self) -> Finding | None:
+        """Return the deepest penetration as a finding, None if contact was followed."""
+        found = self.deepest
+        if found is None or not found.is_deep:
+            return None
+        first, second = found.bodies
+        return Finding(
+            "deep-penetration",
+            found.time,
+            found.bodies,
+            f"at {found.time:.4g} s '{first}' and '{second}' were {1e3 * found.depth:.3g} mm deep "
+            f"in each other, {100 * found.depth_ratio:.0f} % of the thinner one's thickness: "
+            "contact was not followed",
+            f"{half_step_hint(self._time_step)}, and see that they do not overlap at the start",
+            (("depth_m", found.depth), ("depth_ratio", found.depth_ratio)),
+        )
 
     def _thickness_of(self, part: tuple[int, int]) -> float:
         body, link = part
@@ -72,14 +95,3 @@ def steps_between_samples(time_step: float, max_steps: int) -> int:
 def _thickness(link: Link) -> float:
     """Return the least extent of the thickest shape of a link; infinite where it has none."""
     return max((shape.solid.smallest_extent for shape in link.shapes), default=float("inf"))
-
-
-def penetration_warning(found: Penetration, time_step: float) -> str:
-    """Return the warning for contact that was not followed."""
-    first, second = found.bodies
-    return (
-        f"at {found.time:.4g} s '{first}' and '{second}' were {1e3 * found.depth:.3g} mm deep in "
-        f"each other, {100 * found.depth_ratio:.0f} % of the thinner one's thickness: contact was "
-        f"not followed; try half the step, --time-step {time_step / 2:g}, and see that they do not "
-        "overlap at the start"
-    )

@@ -15,10 +15,12 @@ from somo_cli.scene.stop_conditions import (
     StopAtRest,
     StopAtTime,
     StopCondition,
+    StopOnFinding,
     StopOutsideBox,
 )
 from somo_cli.simulation.engine.interface import World, WorldObject
 from somo_cli.simulation.integrator.body_stepper import BodyStepper
+from somo_cli.simulation.monitoring.findings import Finding
 from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.plan.units import unit_factors_of
 
@@ -39,11 +41,16 @@ class StopReason:
 class StopMonitor:
     """Checks the stop conditions of a plan at the monitoring interval.
 
-    A stop time is exact: it bounds the number of steps.
+    A stop time is exact: it bounds the number of steps. `findings` returns what the run has found.
     """
 
     def __init__(
-        self, plan: Plan, world: World, body_steppers: Sequence[BodyStepper], steps: int
+        self,
+        plan: Plan,
+        world: World,
+        body_steppers: Sequence[BodyStepper],
+        steps: int,
+        findings: Callable[[], Sequence[Finding]] = tuple,
     ) -> None:
         times = [
             (_stop_step(stop, plan), number, stop)
@@ -61,8 +68,13 @@ class StopMonitor:
             ),
             None,
         )
-        self._conditions = [
-            (number, _condition(stop, plan, world, body_steppers))
+        self._conditions: list[tuple[int, ConditionCheck]] = [
+            (
+                number,
+                partial(_reason_of_finding, stop, findings)
+                if isinstance(stop, StopOnFinding)
+                else _condition(stop, plan, world, body_steppers),
+            )
             for number, stop in enumerate(plan.stop_conditions)
             if not isinstance(stop, StopAtTime)
         ]
@@ -93,6 +105,13 @@ def _condition(
         return partial(_reason_outside_bounds, stop, rigid_object, unit_factors_of(plan).length)
     assert isinstance(stop, StopAtRest)
     return _RestCondition(stop, plan, world, body_steppers).condition
+
+
+def _reason_of_finding(
+    stop: StopOnFinding, findings: Callable[[], Sequence[Finding]], time: float
+) -> str | None:
+    found = next((one for one in findings() if one.code in stop.codes), None)
+    return None if found is None else f"{found.code}: {found.message}"
 
 
 def _reason_outside_bounds(

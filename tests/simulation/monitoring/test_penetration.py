@@ -8,7 +8,6 @@ from somo_cli.simulation import run as stepping
 from somo_cli.simulation.monitoring.penetration import (
     Penetration,
     PenetrationMonitor,
-    penetration_warning,
     steps_between_samples,
 )
 from somo_cli.simulation.plan.build import make_plan
@@ -44,12 +43,29 @@ def test_the_deepest_relative_to_the_thinner_one_is_kept() -> None:
     assert Penetration(0.0, 1e-3, 0.25, ("a", "b")).is_deep
 
 
-def test_advice() -> None:
-    assert penetration_warning(Penetration(0.024, 0.00475, 0.2375, ("finger", "wall")), 6e-3) == (
-        "at 0.024 s 'finger' and 'wall' were 4.75 mm deep in each other, 24 % of the thinner "
-        "one's thickness: contact was not followed; try half the step, --time-step 0.003, and see "
-        "that they do not overlap at the start"
+def test_a_deep_penetration_is_a_finding() -> None:
+    plan = plan_with_plate(6e-3)
+    world = FakeWorld(plan)
+    monitor = PenetrationMonitor(plan, world)
+    world.depths = [((0, 1), (1, 0), 0.012)]
+    monitor.update(2)
+    assert monitor.finding() is None  # 15 % of the plate's thickness
+    world.depths = [((0, 1), (1, 0), 0.019)]
+    monitor.update(4)
+    found = monitor.finding()
+    assert found is not None
+    assert (found.code, found.names, found.time) == ("deep-penetration", ("body", "plate"), 0.024)
+    assert found.message == (
+        "at 0.024 s 'body' and 'plate' were 0.95 mm deep in each other, 24 % of the thinner one's "
+        "thickness: contact was not followed"
     )
+    assert found.hint == (
+        "try half the step, --time-step 0.003, and see that they do not overlap at the start"
+    )
+    assert dict(found.values) == {
+        "depth_m": pytest.approx(9.5e-4),
+        "depth_ratio": pytest.approx(0.2375),
+    }
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ import numpy as np
 from somo_cli.simulation.engine.bullet.client import BulletClient
 from somo_cli.simulation.engine.bullet.contact_parameters import contact_parameters
 from somo_cli.simulation.engine.bullet.last_contacts import (
+    NORMAL_FORCE,
     ContactKey,
     EngineContact,
     EngineLinkId,
@@ -23,8 +24,6 @@ RECOVERY = 0.08  # seen in 3.2.7: share of an overlap that is undone in a step, 
 SLOP = 1e-5  # engine units; seen in 3.2.7: added to every gap
 UNTOLD_DAMPING = 0.1  # engine units; seen in 3.2.7: of a rigid surface, against one that is not
 LIMIT = 1e-5  # relative: friction as near to its limit slides
-
-_NORMAL_FORCE = EngineContact._fields.index("normal_force")
 
 
 class BulletContactReader:
@@ -51,7 +50,7 @@ class BulletContactReader:
         points = self._contacts.reported()
         if not points:
             return None
-        self._pressing = [one for one in points if one[_NORMAL_FORCE] > 0]
+        self._pressing = [one for one in points if one[NORMAL_FORCE] > 0]
         keys: list[ContactKey] = []
         forces: list[float] = []
         gaps: list[float] = []

@@ -19,10 +19,15 @@ from somo_cli.simulation.engine.bullet.c_stdio import captured_output, decimal_p
 from somo_cli.simulation.engine.bullet.client import BulletClient
 from somo_cli.simulation.engine.bullet.contact_reader import BulletContactReader
 from somo_cli.simulation.engine.bullet.kinematic import KinematicObject, PrescribedBody
-from somo_cli.simulation.engine.bullet.last_contacts import LastContacts
+from somo_cli.simulation.engine.bullet.last_contacts import NORMAL_FORCE, LastContacts
 from somo_cli.simulation.engine.bullet.rigid_object import BulletObject
 from somo_cli.simulation.engine.bullet.step_corrections import StepCorrections
-from somo_cli.simulation.engine.contacts import ContactPoint, LinkIndex, friction_contact
+from somo_cli.simulation.engine.contacts import (
+    BodyPair,
+    ContactPoint,
+    LinkIndex,
+    friction_contact,
+)
 from somo_cli.simulation.plan.model import Plan
 
 GROUND_HALF_WIDTH = 1000.0  # engine units, from the origin
@@ -44,6 +49,7 @@ class BulletWorld:
         self._link_indices: dict[
             tuple[int, int], LinkIndex
         ] = {}  # of the engine's bodies and links
+        self._body_numbers: dict[int, int] = {}  # of the engine's bodies
         self._ground_indices: list[int] = []
         self._contact_count = 0  # points, at the last check of contact
         self._iterations = collision_filter.MAX_ITERATIONS
@@ -120,6 +126,17 @@ class BulletWorld:
             for one in reported
             if one.gap < 0
         ]
+
+    def normal_forces(self) -> dict[BodyPair, float]:
+        """Return the sum of normal forces between each two bodies that pressed in the last step."""
+        numbers, found = self._body_numbers, dict[BodyPair, float]()
+        for point in self.contacts.reported():
+            force = point[NORMAL_FORCE]
+            if force > 0:
+                a, b = numbers[point[1]], numbers[point[2]]
+                pair = (a, b) if a <= b else (b, a)
+                found[pair] = found.get(pair, 0.0) + force
+        return found
 
     def contact_reader(self) -> BulletContactReader:
         """Return what reads the contact points that press."""
@@ -210,6 +227,7 @@ class BulletWorld:
         for number, index in enumerate(others, start=len(self.bodies)):
             for link in range(-1, self.engine.getNumJoints(index)):
                 self._link_indices[index, link] = (number, 0)
+        self._body_numbers = {body: number for (body, _), (number, _) in self._link_indices.items()}
 
     def _disable_fixed_collisions(self) -> None:
         bases: dict[str, list[int]] = {"constrained": [], "static": [], "free": []}

@@ -1,0 +1,1 @@
+"""Random extreme contact scenes: what is unphysical must not end as if all were well."""
