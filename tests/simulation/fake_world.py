@@ -147,6 +147,9 @@ class FakeWorld:
     def penetrations(self) -> Sequence[tuple[LinkIndex, LinkIndex, float]]:
         return self.depths
 
+    def normal_forces(self) -> dict[tuple[int, int], float]:
+        return {}
+
     def contact_reader(self) -> ContactReader:
         return NothingNear()
 

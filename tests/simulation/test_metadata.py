@@ -18,7 +18,7 @@ from tests.loading import scene_from_file
 KEYS = [
     "somo", "engine", "numpy", "python", "platform", "inputs", "overrides", "integrator",
     "time_step_s", "time_step_chosen", "expected_tip_error_relative", "steps",
-    "stopped_by", "record_every", "rows", "plan", "columns", "world_scale", "manipulators",
+    "stopped_by", "findings", "record_every", "rows", "plan", "columns", "world_scale", "manipulators",
     "simulated_time_s", "run_time_s", "steps_per_second", "real_time_factor",
 ]  # fmt: skip
 OF_THE_MACHINE = {"engine", "numpy", "python", "platform"}
@@ -51,6 +51,7 @@ def test_the_values(found: dict[str, object]) -> None:
         "expected_tip_error_relative": None,
         "steps": 500,
         "stopped_by": None,
+        "findings": [],
         "record_every": 10,
         "rows": 51,
         "plan": plain_data(make_plan(scene_from_file("scene.yaml"))),

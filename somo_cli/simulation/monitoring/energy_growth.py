@@ -132,7 +132,8 @@ def soft_energy_reader(
 
 def _gravity_energy(stepper: BodyStepper, gravity: Vector) -> float:
     """Return the energy of a body in gravity; in the frame of its base, if that is moved."""
-    base = stepper.world_body.base_pose()
+    is_at_rest = stepper.body.base != "free" and stepper.body.path is None
+    base = stepper.body.start.pose if is_at_rest else stepper.world_body.base_pose()
     dynamics = stepper.dynamics()
     energy = dynamics.at(stepper.law.angles, base).gravity_energy(gravity)
     if stepper.body.path is None:
