@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TypeAlias
@@ -37,7 +38,8 @@ class SimulationLoop:
         self._plan = plan
         self._world = world
         self._body_steppers = body_steppers
-        self._rotations = ObjectRotations(plan, world)
+        rotations = ObjectRotations(plan, world)
+        self._rotations = rotations if rotations.can_act else None
         self._driven: list[DrivenBody] = [*body_steppers, *object_steppers]
         self._actuations = [one.actuate for one in self._driven]
         self._reads = [body_stepper.read_state for body_stepper in body_steppers]
@@ -52,6 +54,14 @@ class SimulationLoop:
             if is_foreseen
             else None
         )
+        self._applies_at_check: list[Callable[[], None]] = [
+            one.apply_at_check for one in body_steppers
+        ]
+        self._applies_between: list[Callable[[], None]] | None = None
+        if self._prediction is not None:
+            self._applies_at_check = [partial(self._prediction.apply, True)]
+            self._applies_between = [partial(self._prediction.apply, False)]
+        self._steady_until = -math.inf  # s: until then nothing that acts changes
 
     def actuate(self, step: int) -> None:
         """Set what acts in the step that starts at this one."""
@@ -116,17 +126,26 @@ class SimulationLoop:
         """Return what applies the torques of a step, chosen anew at every monitoring interval."""
         is_check = step % MONITORING_INTERVAL == 0
         if is_check:
-            self._rotations.check()
-        own: list[Callable[[], None]]
-        if self._prediction is not None:
-            own = [partial(self._prediction.apply, is_check)]
-        elif is_check:
-            own = [body_stepper.apply_at_check for body_stepper in self._body_steppers]
-        else:
+            own = self._applies_at_check
+        elif self._applies_between is not None:
+            own = self._applies_between
+        else:  # chosen by each body at its last check
             own = [body_stepper.apply_torques for body_stepper in self._body_steppers]
+        if self._rotations is None:
+            return own
+        if is_check:
+            self._rotations.check()
         return [*own, *self._rotations.applies]
 
     def _is_steady(self, first: int, until: int) -> bool:
         """Whether nothing that acts changes after step `first` and before step `until`."""
         start, end = first * self._plan.time_step, (until - 1) * self._plan.time_step
-        return all(one.constant_until(start) > end for one in self._driven)
+        if self._steady_until > end:
+            return True
+        steady_until = math.inf
+        for one in self._driven:
+            steady_until = min(steady_until, one.constant_until(start))
+            if steady_until <= end:
+                return False
+        self._steady_until = steady_until
+        return True

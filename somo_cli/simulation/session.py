@@ -174,5 +174,7 @@ def _input_by_objects(
     plan: Plan, world: World, kinematic: Sequence[KinematicObjectStepper]
 ) -> Callable[[], float]:
     """Return a function that returns the most energy that objects may have put in so far."""
+    if not plan.objects:
+        return lambda: 0.0
     of_objects = ObjectEnergyBound(plan, world.objects)
     return lambda: of_objects.energy_bound() + sum(one.energy_bound() for one in kinematic)

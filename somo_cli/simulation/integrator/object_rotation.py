@@ -97,6 +97,8 @@ class ObjectRotations:
         self._active: list[RotatingObject] = []
         self.applies: Sequence[Callable[[], None]] = ()
         """Each applies the torque of the coming step to one object."""
+        self.can_act = bool(self._rotating)
+        """Whether any object may ever need a torque."""
 
     def check(self) -> None:
         """Choose the objects that get torques until the next check."""

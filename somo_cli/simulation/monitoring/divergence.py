@@ -105,7 +105,8 @@ class DivergenceMonitor:
             moving.measure()
         self._object_energy = self._read_object_energy()
         check(step, self._plan, self._bodies, self._object_energy)
-        check_objects(step, self._plan, self._objects, self._bodies, self._object_energy)
+        if self._objects:
+            check_objects(step, self._plan, self._objects, self._bodies, self._object_energy)
 
     def count_valid_rows(self, histories: Sequence[StateHistory]) -> int:
         """Return the number of rows before the first invalid one; histories of all bodies."""

@@ -162,8 +162,11 @@ class BulletWorld:
     def claim_engine(self) -> None:
         """Set again what all engines of a process share, since another one may have set it.
 
-        Seen in 3.2.7: contactBreakingThreshold is one for all of them.
+        Seen in 3.2.7: contactBreakingThreshold is one for all of them. Without contact it is of
+        no use.
         """
+        if not (self._plan.can_touch or self._plan.keeps_unused):
+            return
         self.engine.setPhysicsEngineParameter(contactBreakingThreshold=self._contact_gap)
 
     def save_start(self) -> None:
