@@ -20,6 +20,8 @@ from somo_cli.simulation.integrator.body_stepper import BodyStepper
 from somo_cli.simulation.integrator.implicit_law import SpringDamperLaw
 from somo_cli.simulation.integrator.joint_inertia import JointInertia
 from somo_cli.simulation.integrator.joint_work import JointWork
+from somo_cli.simulation.integrator.law_stepper import LawStepper
+from somo_cli.simulation.integrator.reused_correction import ReusedCorrection
 from somo_cli.simulation.loop import SimulationLoop
 from somo_cli.simulation.monitoring.divergence import DivergenceMonitor
 from somo_cli.simulation.plan.model import Plan
@@ -31,9 +33,10 @@ ROUNDS = 5
 PARTS: dict[str, tuple[tuple[type | Any, str], ...]] = {
     "engine: inverse dynamics": ((BulletBody, "bias"),),
     "engine: inertia": ((BulletBody, "mass_matrix"),),
-    "law: corrected torques": ((SpringDamperLaw, "correct"),),
+    "law: corrected torques": ((SpringDamperLaw, "predict"), (SpringDamperLaw, "settle")),
+    "law: reused torques": ((ReusedCorrection, "torques"),),
     "law: new inertia": ((SpringDamperLaw, "refresh"), (JointInertia, "refresh")),
-    "looks: whether a correction may be held": ((BodyStepper, "apply_at_check"),),
+    "checks: whether a correction may be reused": ((LawStepper, "apply_at_check"),),
     "actuation": ((BodyStepper, "actuate"), (SimulationLoop, "_is_steady")),
     "watch": (
         (BodyStepper, "measure"),
@@ -73,11 +76,7 @@ class Account:
 @contextmanager
 def taken_apart(account: Account) -> Iterator[None]:
     """Let the parts of our loop tell their time."""
-    made_pull, made_held, entered = (
-        BodyStepper._make_read_state,
-        BodyStepper._make_apply_reused,
-        BulletWorld.__enter__,
-    )
+    made_pull, entered = BodyStepper._make_read_state, BulletWorld.__enter__
 
     def enter(world: BulletWorld) -> BulletWorld:
         entered(world)
@@ -93,9 +92,7 @@ def taken_apart(account: Account) -> Iterator[None]:
                 timed = account.of(name, getattr(owner, function))
                 stack.enter_context(patch.object(owner, function, _as_method(timed)))
         pull: Any = lambda body_stepper: account.of("state to array", made_pull(body_stepper))  # noqa: E731
-        held: Any = lambda body_stepper: account.of("law: held torques", made_held(body_stepper))  # noqa: E731
         stack.enter_context(patch.object(BodyStepper, "_make_read_state", pull))
-        stack.enter_context(patch.object(BodyStepper, "_make_apply_reused", held))
         stack.enter_context(patch.object(BulletWorld, "__enter__", enter))
         yield
 

@@ -28,7 +28,7 @@ from somo_cli.simulation import run as stepping
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.integrator.body_stepper import BodyStepper
 from somo_cli.simulation.integrator.half_step_start import begin
-from somo_cli.simulation.integrator.implicit_law import SpringDamperLaw
+from somo_cli.simulation.integrator.reused_correction import ReusedCorrection
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
 from tests.bench import hand
@@ -40,7 +40,7 @@ STEPS = 500
 CLOCK = time.perf_counter
 
 Step: TypeAlias = Callable[[], None]
-Product: TypeAlias = Callable[[Sequence[SpringDamperLaw], Array], Callable[[], list[float]]]
+Product: TypeAlias = Callable[[Sequence[ReusedCorrection], Array], Callable[[], list[float]]]
 
 
 def plan_of_fingers(count: int) -> Plan:
@@ -59,15 +59,16 @@ def begun(plan: Plan) -> Iterator[tuple[BulletWorld, list[BodyStepper]]]:
         ]
         begin(plan, world, body_steppers)
         for body_stepper in body_steppers:
-            body_stepper.law.reuse(np.zeros(JOINTS), np.zeros(JOINTS), 8)
+            body_stepper.law_stepper.reused.extrapolate(np.zeros(JOINTS), np.zeros(JOINTS), 8)
         yield world, body_steppers
 
 
 def one_by_one(world: BulletWorld, body_steppers: Sequence[BodyStepper]) -> Step:
     """Return a step as the product does it."""
-    pushes, pulls = [
-        [getattr(one, name) for one in body_steppers] for name in ("_apply_reused", "read_state")
-    ]
+    pushes, pulls = (
+        [one.law_stepper.apply_reused for one in body_steppers],
+        [one.read_state for one in body_steppers],
+    )
     advance = world.step
 
     def step() -> None:
@@ -87,9 +88,10 @@ def stacked(product: Product) -> Callable[[BulletWorld, Sequence[BodyStepper]], 
         advance, size = world.step, 2 * len(body_steppers) * JOINTS
         angle, rate, pack = itemgetter(0), itemgetter(1), struct.Struct(f"{size}d").pack_into
         laws = [body_stepper.law for body_stepper in body_steppers]
+        reused = [body_stepper.law_stepper.reused for body_stepper in body_steppers]
         # of all fingers: their angles, then their rates
         motion = np.concatenate([law.angles for law in laws] + [law.rates for law in laws])
-        torques = product(laws, motion)
+        torques = product(reused, motion)
         parts = [slice(first, first + JOINTS) for first in range(0, size // 2, JOINTS)]
         writes = [
             (one.world_body.apply, part) for one, part in zip(body_steppers, parts, strict=True)
@@ -110,11 +112,11 @@ def stacked(product: Product) -> Callable[[BulletWorld, Sequence[BodyStepper]], 
     return of_world
 
 
-def by_batch(laws: Sequence[SpringDamperLaw], motion: Array) -> Callable[[], list[float]]:
+def by_batch(laws: Sequence[ReusedCorrection], motion: Array) -> Callable[[], list[float]]:
     """Return what gives the torques by a batch of products, from the motion as it is then."""
     count, n = len(laws), JOINTS
-    state = np.array([law.state for law in laws])
-    matrices = np.array([law._torque_map for law in laws])
+    state = np.array([law.state.vector for law in laws])
+    matrices = np.array([law.torque_map for law in laws])
     found = np.zeros((count, 1, n))
     angles, rates, previous, applied = (
         state[:, first : first + n] for first in range(n + 2, 5 * n + 2, n)
@@ -134,7 +136,7 @@ def by_batch(laws: Sequence[SpringDamperLaw], motion: Array) -> Callable[[], lis
     return torques
 
 
-def on_diagonal(laws: Sequence[SpringDamperLaw], motion: Array) -> Callable[[], list[float]]:
+def on_diagonal(laws: Sequence[ReusedCorrection], motion: Array) -> Callable[[], list[float]]:
     """Return what gives the torques by one product, a matrix with all along its diagonal."""
     n, size = JOINTS, len(laws) * JOINTS
     # growth and one, u, q, v, v_prev, τ_prev: each of all fingers
@@ -142,11 +144,11 @@ def on_diagonal(laws: Sequence[SpringDamperLaw], motion: Array) -> Callable[[], 
     matrix = np.zeros((2 + 5 * size, size))
     for number, law in enumerate(laws):
         own = slice(number * n, (number + 1) * n)
-        matrix[:2, own], state[:2] = law._torque_map[:2], law.state[:2]
+        matrix[:2, own], state[:2] = law.torque_map[:2], law.state.vector[:2]
         for block in range(5):
             rows = slice(2 + block * size + own.start, 2 + block * size + own.stop)
             of_law = slice(2 + block * n, 2 + (block + 1) * n)
-            matrix[rows, own], state[rows] = law._torque_map[of_law], law.state[of_law]
+            matrix[rows, own], state[rows] = law.torque_map[of_law], law.state.vector[of_law]
     found, share = np.zeros(size), state[:1].data
     now, before = state[2 + size : 2 + 3 * size].data, state[2 + 3 * size : 2 + 4 * size].data
     applied, both, rates = state[2 + 4 * size :].data, motion.data, motion[size:].data

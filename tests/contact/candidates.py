@@ -16,8 +16,8 @@ import numpy as np
 from somo_cli.arrays import Array
 from somo_cli.scene.model import Integrator
 from somo_cli.simulation.integrator import body_stepper
-from somo_cli.simulation.integrator.body_stepper import BodyStepper
 from somo_cli.simulation.integrator.implicit_law import SpringDamperLaw
+from somo_cli.simulation.integrator.law_stepper import LawStepper
 from somo_cli.simulation.plan.joint_springs import JointSprings
 
 MEAN_WEIGHT = 0.3  # of the newest in a running mean
@@ -88,7 +88,7 @@ class Dropped(FilteredLaw):
     def filtered(self) -> Array:
         """Return what is made of the last three forces."""
         new, old, _ = self.history
-        jump = np.abs(self._response @ (new - old)).max() * self.time_step
+        jump = np.abs(self.response @ (new - old)).max() * self.time_step
         self.was_dropped = bool(jump > BLOW) and not self.was_dropped
         return old if self.was_dropped else new
 
@@ -125,10 +125,10 @@ class Candidate:
     @contextmanager
     def installed(self) -> Iterator[None]:
         """Let runs follow this law."""
-        held: Callable[..., int] = BodyStepper._reuse_steps if self.is_held else lambda *_: 1
+        held: Callable[..., int] = LawStepper._reuse_steps if self.is_held else lambda *_: 1
         with (
             patch.object(body_stepper, "SpringDamperLaw", self.law),
-            patch.object(BodyStepper, "_reuse_steps", held),
+            patch.object(LawStepper, "_reuse_steps", held),
         ):
             yield
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import struct
 from collections.abc import Callable, Sequence
-from functools import partial
 from operator import itemgetter
 
 import numpy as np
@@ -28,18 +27,10 @@ from somo_cli.simulation.integrator.implicit_law import SpringDamperLaw
 from somo_cli.simulation.integrator.joint_inertia import JointInertia
 from somo_cli.simulation.integrator.joint_limits import JointLimits
 from somo_cli.simulation.integrator.joint_work import JointWork
-from somo_cli.simulation.integrator.refresh_policy import (
-    MONITORING_INTERVAL,
-    REUSE_STEPS,
-    SLOW_REFRESH,
-    RefreshPolicy,
-)
+from somo_cli.simulation.integrator.law_stepper import LawStepper
+from somo_cli.simulation.integrator.refresh_policy import SLOW_REFRESH, RefreshPolicy
 from somo_cli.simulation.plan.joint_springs import JointSprings
 from somo_cli.simulation.plan.model import Body, Plan
-
-NEAR_LIMIT = 0.1  # rad: with a joint nearer to its limit no correction is reused
-FAR_LIMIT = 1.0  # rad: a joint farther from its limits does not reach them before the next check,
-LOOKAHEAD = 2.0  # nor one that would not in so many times the time until then
 
 
 class BodyStepper:
@@ -73,22 +64,10 @@ class BodyStepper:
         self.inertia = JointInertia(world_body, self.law, limits, self._refresh_policy)
         self.mass_at_start: Array = self.inertia.matrix
         self.max_rate = 0.0  # rad/s
-        self._apply_reused = self._make_apply_reused()
-        is_explicit = plan.integrator == "explicit"
-        self.apply_torques: Callable[[], None] = (
-            self._apply_reused if is_explicit else self._apply_refreshed
+        self.law_stepper = LawStepper(
+            self.law, self.base, self.inertia, limits, self._refresh_policy
         )
-        """Applies the torques of the law to the world."""
         self._gravity = plan.gravity
-        self._at_check: tuple[Array, Array] | None = None  # correction and bias at the last check
-        self._last_correction = np.zeros(0), np.zeros(0)  # correction and bias of the last refresh
-        self._steps_reused = self._steps_left = 1
-        self._waits = False  # whether torques that are worked out wait for `finish`
-        self._apply_variants = {1: self._apply_refreshed, MONITORING_INTERVAL: self._apply_reused}
-        self._apply_variants |= {steps: self._apply_alternating for steps in REUSE_STEPS[1:]}
-        self._limit_torques = partial(
-            limits.torques, plan.time_step, self.law.angles, self.law.rates
-        )
         self._dynamics: ChainDynamics | None = None
         self.read_state = self._make_read_state()
         """Reads the state of the body from the engine."""
@@ -128,85 +107,25 @@ class BodyStepper:
         """Joint rates as the engine has them, shape (n,)."""
         return self.law.rates
 
+    @property
+    def apply_torques(self) -> Callable[[], None]:
+        """Applies the torques of the law to the world; chosen anew at each check."""
+        return self.law_stepper.apply_torques
+
     def apply_at_check(self) -> None:
-        """Apply the torques of the law at a check, and choose how to step until the next one.
-
-        The correction for the engine's early Coriolis forces costs two calls into the engine. While
-        the body moves slowly, and the correction changed so little since the last check that
-        reusing it costs less than the error of the method, it is not refreshed in every step.
-        """
-        law = self.law
+        """Apply the torques of the law at a check, and choose how to step until the next one."""
         if self._refresh_policy.is_gravity_implicit:
-            # at checks, not with M: any such part of B is as accurate as a fresh one
-            law.coefficients.set_gravity_stiffness(
-                positive_gravity_stiffness(self._pose(), self._gravity), self.mass
-            )
-        self.inertia.refresh_if_moved()
-        if law.integrator == "explicit":
-            self.apply_torques()
-            return
-        reach = FAR_LIMIT + LOOKAHEAD * MONITORING_INTERVAL * law.time_step * self.max_rate
-        clearance = self.inertia.clearance(reach)
-        law.limit_torques = self._limit_torques if clearance < reach else None
-        self._apply_corrected()
-        assert law.bias is not None
-        last = self._at_check
-        self._at_check = self._last_correction = law.correction, law.bias
-        steps = 1
-        if last is not None and clearance > NEAR_LIMIT:
-            growth = law.correction - last[0]
-            steps = self._reuse_steps(growth)
-            if steps > 1:
-                law.reuse(last[1] - law.bias, growth, MONITORING_INTERVAL)
-        self._steps_reused = self._steps_left = steps
-        self.apply_torques = self._apply_variants[steps]
-        self._refresh_policy.set_reuse(steps)
-
-    def _reuse_steps(self, change: Array) -> int:
-        """Return for how many steps a correction that changed by `change` may be reused."""
-        if not self.base.can_reuse_correction():
-            return 1
-        return self._refresh_policy.reuse_steps(change / self.mass.diagonal(), self.max_rate)
-
-    def _make_apply_reused(self) -> Callable[[], None]:
-        """Return the function that applies torques with a reused correction."""
-        return self.law.make_reuse(self.base.apply)
-
-    def _apply_alternating(self) -> None:
-        """Reuse the correction, and refresh it in every second or fourth step."""
-        self._steps_left -= 1
-        if self._steps_left:
-            if self._waits:
-                self.law.predict_held()
-            else:
-                self._apply_reused()
-            return
-        self.inertia.refresh_if_moved()
-        law, (correction, bias), steps = self.law, self._last_correction, self._steps_reused
-        self._apply_corrected()
-        assert law.bias is not None
-        law.reuse(bias - law.bias, law.correction - correction, steps)
-        self._last_correction, self._steps_left = (law.correction, law.bias), steps
-
-    def _apply_refreshed(self) -> None:
-        self.inertia.refresh_if_moved()
-        self._apply_corrected()
-
-    def _apply_corrected(self) -> None:
-        self.base.predict(self.law)
-        if not self._waits:
-            self.base.finish(self.law, None)
+            self._refresh_gravity_stiffness()
+        self.law_stepper.apply_at_check(self.max_rate)
 
     def predict(self, is_check: bool) -> None:
         """Compute torques as `apply_at_check` or `apply_torques` do, to be applied by `finish`."""
-        self._waits = True
-        if is_check:
-            self.apply_at_check()
-        elif self.apply_torques == self._apply_reused:
-            self.law.predict_held()
-        else:
-            self.apply_torques()
-        self._waits = False
+        if not is_check:
+            self.law_stepper.predict()
+            return
+        if self._refresh_policy.is_gravity_implicit:
+            self._refresh_gravity_stiffness()
+        self.law_stepper.predict_at_check(self.max_rate)
 
     def finish(self, change: Array | None) -> None:
         """Apply the torques, with what changes of contact forces add to the acceleration."""
@@ -268,10 +187,14 @@ class BodyStepper:
         )
         self._refresh_policy.set_modes(slowest, gravity_mode, inertia_change)
         if self._refresh_policy.is_gravity_implicit:
-            self.law.coefficients.set_gravity_stiffness(
-                positive_gravity_stiffness(self._pose(), self._gravity), self.mass
-            )
+            self._refresh_gravity_stiffness()
             self.inertia.refresh()
+
+    def _refresh_gravity_stiffness(self) -> None:
+        # at checks, not with M: any such part of B is as accurate as a fresh one
+        self.law.coefficients.set_gravity_stiffness(
+            positive_gravity_stiffness(self._pose(), self._gravity), self.mass
+        )
 
     def set_start_force(self, force: Array, rates: Array) -> None:
         """Set the force on the joints that was measured at the start, at these rates."""

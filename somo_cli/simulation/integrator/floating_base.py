@@ -14,7 +14,8 @@ from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.engine.interface import WorldBody
 from somo_cli.simulation.integrator.energy_bound import BodyEnergy
 from somo_cli.simulation.integrator.fixed_base import FixedBase
-from somo_cli.simulation.integrator.implicit_law import SMOOTH, SpringDamperLaw, limited_change
+from somo_cli.simulation.integrator.impacts import SMOOTH, limited_change
+from somo_cli.simulation.integrator.implicit_law import SpringDamperLaw
 from somo_cli.simulation.plan.model import Body, Plan
 
 

@@ -12,6 +12,7 @@ import pytest
 
 from somo_cli.simulation.integrator.body_stepper import BodyStepper
 from somo_cli.simulation.integrator.half_step_start import begin
+from somo_cli.simulation.integrator.law_stepper import LawStepper
 from somo_cli.simulation.plan.model import Plan
 from tests.loading import rows_of, scene_from_file
 from tests.simulation.fake_world import (
@@ -182,16 +183,16 @@ def test_a_drive_reaches_its_joints_however_they_are_spaced(joints: tuple[int, .
 
 def test_where_bodies_can_touch_corrections_are_held_for_fewer_steps_as_well() -> None:
     scene = dataclasses.replace(scene_from_file("push_scene.yaml"), time_step=2e-3, every=50)
-    held, reuse_steps = set(), BodyStepper._reuse_steps
+    held, reuse_steps = set(), LawStepper._reuse_steps
 
-    def told(body_stepper: BodyStepper, change: np.ndarray) -> int:
-        steps = reuse_steps(body_stepper, change)
+    def told(law_stepper: LawStepper, change: np.ndarray, max_rate: float) -> int:
+        steps = reuse_steps(law_stepper, change, max_rate)
         held.add(steps)
         return steps
 
-    with patch.object(BodyStepper, "_reuse_steps", told):
+    with patch.object(LawStepper, "_reuse_steps", told):
         rows = np.array(rows_of(scene, 500))
-    with patch.object(BodyStepper, "_reuse_steps", lambda *_: 1):
+    with patch.object(LawStepper, "_reuse_steps", lambda *_: 1):
         corrected = np.array(rows_of(scene, 500))
     assert held & {2, 4}
     angles = slice(1, 11)

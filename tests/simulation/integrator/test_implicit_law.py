@@ -2,81 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
 from somo_cli.arrays import Array, invert
-from somo_cli.simulation.integrator.implicit_law import SMOOTH, SpringDamperLaw, limited_change
+from somo_cli.simulation.integrator.impacts import SMOOTH, limited_change
+from somo_cli.simulation.integrator.implicit_law import SpringDamperLaw
 from somo_cli.simulation.plan.joint_springs import JointSprings
-
-H = 1e-2
-RANDOM = np.random.default_rng(7)
-
-
-def spring_damper_torques(springs: JointSprings, angles: Array, rates: Array) -> Array:
-    return -springs.stiffness * (angles - springs.neutral) - springs.damping * rates
-
-
-def springs(n: int = 3) -> JointSprings:
-    return JointSprings(
-        RANDOM.uniform(1, 5, n), RANDOM.uniform(0.01, 0.1, n), RANDOM.uniform(-0.2, 0.2, n)
-    )
+from tests.simulation.integrator.laws import (
+    H,
+    inertia,
+    plain_torques,
+    spring_damper_torques,
+    springs,
+    torques_with_nothing_to_correct,
+)
 
 
-def inertia(n: int = 3) -> np.ndarray:
-    root = RANDOM.normal(size=(n, n))
-    return root @ root.T + n * np.eye(n)
-
-
-def refreshed(law: SpringDamperLaw, mass: np.ndarray) -> None:
-    """Have the law take an inertia, and hold no correction."""
-    law.refresh(mass)
-    nothing = np.zeros(len(mass))
-    law.reuse(nothing, nothing, 1)
-
-
-def holding(law: SpringDamperLaw) -> Callable[[], list[float]]:
-    """Return what gives the torques of a law that holds its correction."""
-    applied: list[list[float]] = []
-    hold = law.make_reuse(applied.append)
-
-    def torques() -> list[float]:
-        hold()
-        return applied.pop()
-
-    return torques
-
-
-def plain_torques(law: SpringDamperLaw, mass: np.ndarray, q, v, v_prev, tau_prev, u) -> np.ndarray:
-    """Return τ by the formulas of the module's docstring, one after the other."""
-    k, q0 = law.springs.stiffness, law.springs.neutral
-    damping, b = law.coefficients.matrices(mass)
-    s = u - k * (q - q0) - damping @ v
-    f = mass @ (v - v_prev) / H - tau_prev
-    a = np.linalg.solve(mass + b, f + s)
-    return s - b @ a
-
-
-@pytest.mark.parametrize("integrator", ["implicit", "euler", "explicit"])
-def test_one_product_is_the_law(integrator: str) -> None:
-    law, mass = SpringDamperLaw(springs(), H, integrator), inertia()
-    refreshed(law, mass)
-    hold = holding(law)
-    v_prev = tau_prev = np.zeros(3)
-    for _ in range(4):
-        q, v, u = RANDOM.normal(size=(3, 3))
-        law.angles[:], law.rates[:], law.actuation[:] = q, v, u
-        torques = hold()
-        assert torques == pytest.approx(plain_torques(law, mass, q, v, v_prev, tau_prev, u))
-        v_prev, tau_prev = v, np.array(torques)
+def random() -> np.random.Generator:
+    """Return numbers that no other test can shift."""
+    return np.random.default_rng(7)
 
 
 def test_the_correction_acts_like_actuation_and_the_lag_of_the_bias_like_force() -> None:
+    numbers = random()
     law, mass = SpringDamperLaw(springs(), H, "implicit"), inertia()
     law.refresh(mass)
-    quadratic = RANDOM.normal(size=(3, 3, 3))
+    quadratic = numbers.normal(size=(3, 3, 3))
 
     def bias_at(rates: np.ndarray) -> np.ndarray:
         return quadratic @ rates @ rates
@@ -84,7 +36,7 @@ def test_the_correction_acts_like_actuation_and_the_lag_of_the_bias_like_force()
     v_prev = tau_prev = np.zeros(3)
     bias_prev = None
     for _ in range(3):
-        q, v, u = RANDOM.normal(size=(3, 3))
+        q, v, u = numbers.normal(size=(3, 3))
         law.angles[:], law.rates[:], law.actuation[:] = q, v, u
         torques = law.correct(bias_at(v), bias_at)
         lag = np.zeros(3) if bias_prev is None else bias_prev - bias_at(v)
@@ -99,25 +51,6 @@ def test_the_correction_acts_like_actuation_and_the_lag_of_the_bias_like_force()
         v_prev, tau_prev, bias_prev = v, np.array(torques), bias_at(v)
 
 
-def test_a_held_correction_goes_on_as_it_grew_and_the_bias_as_it_fell() -> None:
-    law, mass = SpringDamperLaw(springs(), H, "implicit"), inertia()
-    law.refresh(mass)
-    bias, coming, fall, growth = RANDOM.normal(size=(4, 3))
-    law.correct(bias, lambda rates: coming)
-    v_prev, tau_prev = law.rates.copy(), np.array(law.state[-3:])
-    for _ in range(2):  # the second time, nothing is left of the first
-        law.reuse(fall, growth, 4)
-        hold = holding(law)
-        for number in range(1, 5):
-            q, v, u = RANDOM.normal(size=(3, 3))
-            law.angles[:], law.rates[:], law.actuation[:] = q, v, u
-            held = u + bias - coming + growth * number / 4
-            expected = plain_torques(law, mass, q, v, v_prev, tau_prev - fall / 4, held)
-            torques = hold()
-            assert torques == pytest.approx(expected)
-            v_prev, tau_prev = v, np.array(torques)
-
-
 def test_a_singular_matrix_has_no_inverse_and_stops_nothing() -> None:
     with np.errstate(invalid="ignore"):
         singular, regular = invert(np.array([np.zeros((2, 2)), [[2.0, 1.0], [1.0, 1.0]]]))
@@ -129,29 +62,12 @@ def test_a_singular_matrix_has_no_inverse_and_stops_nothing() -> None:
 def test_at_rest_the_torque_is_the_spring_s(integrator: str) -> None:
     """Whatever the step: f balances s, so a is zero, and statics are exact."""
     law, mass = SpringDamperLaw(springs(), H, integrator), inertia()
-    refreshed(law, mass)
+    torques = torques_with_nothing_to_correct(law, mass)
     law.angles[:], law.actuation[:] = [0.3, -0.1, 0.5], [1.0, 2.0, -1.0]
     expected = law.actuation + spring_damper_torques(law.springs, law.angles, law.rates)
     law.set_force(-expected)
-    assert holding(law)() == pytest.approx(expected, rel=1e-12)
+    assert torques() == pytest.approx(expected, rel=1e-12)
     assert law.acceleration(mass, -expected) == pytest.approx(0, abs=1e-12)
-
-
-def test_a_new_mass_matrix_leaves_the_measured_force() -> None:
-    law, mass = SpringDamperLaw(springs(), H, "implicit"), inertia()
-    refreshed(law, mass)
-    hold = holding(law)
-    law.rates[:] = [1.0, 2.0, 3.0]
-    before = np.array(hold())
-    law.rates[:] = [1.1, 1.9, 3.2]
-    heavier = mass + np.eye(3)
-    refreshed(law, heavier)
-    force = mass @ [0.1, -0.1, 0.2] / H - before
-    damping, b = law.coefficients.matrices(heavier)
-    springs_alone = spring_damper_torques(law.springs, law.angles, np.zeros(3))
-    s = springs_alone - damping @ law.rates
-    acceleration = np.linalg.solve(heavier + b, force + s)
-    assert hold() == pytest.approx(s - b @ acceleration)
 
 
 @pytest.mark.parametrize("stiffer", [1.0, 1e4, 1e8])
@@ -160,8 +76,7 @@ def test_the_linear_chain_is_stable_however_stiff(integrator: str, stiffer: floa
     soft = springs()
     stiff = JointSprings(soft.stiffness * stiffer, soft.damping, soft.neutral)
     law, mass = SpringDamperLaw(stiff, H, integrator), inertia()
-    refreshed(law, mass)
-    hold = holding(law)
+    torques = torques_with_nothing_to_correct(law, mass)
     angles, rates = np.array([0.3, -0.2, 0.1]), np.zeros(3)
     law.angles[:] = angles
     law.rates[:] = rates = (
@@ -171,7 +86,7 @@ def test_the_linear_chain_is_stable_however_stiff(integrator: str, stiffer: floa
     largest = 0.0
     for _ in range(3000):
         law.angles[:], law.rates[:] = angles, rates
-        rates = rates + H * np.linalg.solve(mass, hold())
+        rates = rates + H * np.linalg.solve(mass, torques())
         angles = angles + H * rates
         largest = max(largest, float(np.abs(angles).max()))
     assert largest < 2
