@@ -15,6 +15,7 @@ from somo_cli.scene.prescribed_motion import PosePath
 from somo_cli.scene.signals import Signal
 from somo_cli.simulation.dynamics.chain_dynamics import ChainPose
 from somo_cli.simulation.dynamics.external_loads import generalised_load_force
+from somo_cli.simulation.dynamics.free_base import FreeBase
 from somo_cli.simulation.plan.model import Body
 
 SAMPLES_PER_HORIZON = 4000
@@ -102,11 +103,7 @@ def joint_force(pose: ChainPose, force: Array, is_free: bool) -> Array:
 
     A static base bears the force on it; a free base accelerates, which acts on the joints.
     """
-    if not is_free:
-        return force[6:]
-    mass = pose.mass_matrix()
-    reduced: Array = force[6:] - mass[6:, :6] @ np.linalg.solve(mass[:6, :6], force[:6])
-    return reduced
+    return FreeBase.of(pose.mass_matrix()).joint_torques(force) if is_free else force[6:]
 
 
 def _modal(body: Body, pose: ChainPose, modes: Modes, force: Array) -> Array:

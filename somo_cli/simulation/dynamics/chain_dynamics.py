@@ -19,6 +19,7 @@ from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
+from somo_cli.simulation.dynamics.free_base import FreeBase
 
 IntArray: TypeAlias = npt.NDArray[np.intp]
 
@@ -133,11 +134,7 @@ class ChainPose:
     def joint_inertia(self, has_free_base: bool = False) -> Array:
         """Return what the joints feel, shape (n, n): of a held base, or of one nothing holds."""
         matrix = self.mass_matrix()
-        joints = matrix[6:, 6:]
-        if not has_free_base:
-            return joints
-        reduced: Array = joints - matrix[6:, :6] @ np.linalg.solve(matrix[:6, :6], matrix[:6, 6:])
-        return (reduced + reduced.T) / 2
+        return FreeBase.of(matrix).joint_inertia if has_free_base else matrix[6:, 6:]
 
     def _jacobians(self) -> tuple[Array, Array]:
         """Return velocity of every centre of mass and spin of every link, (n + 1, 3, 6 + n)."""

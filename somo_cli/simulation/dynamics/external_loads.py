@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeAlias
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,8 +12,35 @@ from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics, ChainPose
 from somo_cli.simulation.plan.model import Body, PlannedLoad
 
-_WorldLoad: TypeAlias = tuple[Array, Array, Array]
-"""Where it acts, force and moment; in the world, at a factor of one."""
+
+@dataclass(frozen=True, slots=True)
+class LinkLoad:
+    """A force and a moment on a point of a link, as arrays; at a factor of one.
+
+    The point is in the frame of the link, and so are force and moment if the load turns with it,
+    which else are in the world.
+    """
+
+    link: int
+    point: Array
+    force: Array
+    moment: Array
+    turns_with_link: bool
+
+    @staticmethod
+    def of(load: PlannedLoad) -> LinkLoad:
+        """Return a planned load as arrays."""
+        point, force, moment = (np.array(one) for one in (load.point, load.force, load.moment))
+        return LinkLoad(load.link, point, force, moment, load.frame == "body")
+
+    def generalised_force(self, pose: ChainPose, factor: float) -> Array:
+        """Return its generalised force, shape (6 + n,), as `ChainPose.generalised_force` does."""
+        force, moment = self.force, self.moment
+        if self.turns_with_link:
+            axes = pose.rotations[self.link]
+            force, moment = axes @ force, axes @ moment
+        point = pose.point(self.link, self.point)
+        return pose.generalised_force(self.link, point, factor * force, factor * moment)
 
 
 class ExternalLoads:
@@ -28,11 +55,7 @@ class ExternalLoads:
         if body.base == "static":
             held = body.start.pose
             self._base_pose = lambda: held
-        self._loads = [
-            (load.link, np.array(load.point), np.array(load.force), np.array(load.moment))
-            for load in body.loads
-        ]
-        self._is_in_link_frame = [load.frame == "body" for load in body.loads]
+        self._loads = [LinkLoad.of(load) for load in body.loads]
         self._signals = [load.signal for load in body.loads]
         self._zero_force: Array = np.zeros(6 + self._chain.count)
 
@@ -46,11 +69,9 @@ class ExternalLoads:
             return self._zero_force
         pose = self._chain.at(angles, self._base_pose())
         total = self._zero_force
-        for index, factor in enumerate(factors):
+        for load, factor in zip(self._loads, factors, strict=True):
             if factor != 0:
-                point, force, moment = self._world_load(pose, index)
-                link = self._loads[index][0]
-                total = total + pose.generalised_force(link, point, factor * force, factor * moment)
+                total = total + load.generalised_force(pose, factor)
         return total
 
     def constant_until(self, time: float) -> float:
@@ -62,21 +83,10 @@ class ExternalLoads:
             return time
         return min(signal.constant_until(time) for signal in self._signals)
 
-    def _world_load(self, pose: ChainPose, index: int) -> _WorldLoad:
-        link, point, force, moment = self._loads[index]
-        axes = pose.rotations[link]
-        if self._is_in_link_frame[index]:
-            force, moment = axes @ force, axes @ moment
-        return pose.point(link, point), force, moment
-
 
 def generalised_load_force(load: PlannedLoad, pose: ChainPose) -> Array:
     """Return the generalised force, shape (6 + n,), of a load at a pose, its factor being one."""
-    force, moment = np.array(load.force), np.array(load.moment)
-    if load.frame == "body":
-        axes = pose.rotations[load.link]
-        force, moment = axes @ force, axes @ moment
-    return pose.generalised_force(load.link, pose.point(load.link, load.point), force, moment)
+    return LinkLoad.of(load).generalised_force(pose, 1.0)
 
 
 def load_stiffness(load: PlannedLoad, pose: ChainPose, factor: float) -> Array:

@@ -132,18 +132,6 @@ def _energy(states: BodyStates, units: UnitFactors) -> Array:
     return np.array(found).T / units.torque
 
 
-def _contact_force(states: BodyStates, units: UnitFactors) -> Array:
-    number = states.number
-    return np.array([contact_values.total_force(row, number, units) for row in states.contacts]).T
-
-
-def _contact_pairs(states: BodyStates, units: UnitFactors) -> Array:
-    number, others = states.number, states.others
-    return np.array(
-        [contact_values.pair_forces(row, number, others, units) for row in states.contacts]
-    ).T
-
-
 def _link_contact_forces(states: BodyStates, units: UnitFactors) -> Array:
     number, count = states.number, len(states.body.chain.links)
     return np.array(
@@ -162,7 +150,7 @@ BODY_VALUES: dict[Quantity, BodyValueReader] = {
     "base_pose": _base_pose,
     "tip_position": _tip_position,
     "energy": _energy,
-    "contact_force": _contact_force,
-    "contact_pairs": _contact_pairs,
+    "contact_force": contact_values.total_forces,
+    "contact_pairs": contact_values.forces_of_partners,
     "link_contact_forces": _link_contact_forces,
 }

@@ -53,22 +53,10 @@ def _angles(states: ObjectStates, units: UnitFactors) -> Array:
     return np.array(states.total_rotations).T
 
 
-def _contact_force(states: ObjectStates, units: UnitFactors) -> Array:
-    number = states.number
-    return np.array([contact_values.total_force(row, number, units) for row in states.contacts]).T
-
-
-def _contact_pairs(states: ObjectStates, units: UnitFactors) -> Array:
-    number, others = states.number, states.others
-    return np.array(
-        [contact_values.pair_forces(row, number, others, units) for row in states.contacts]
-    ).T
-
-
 OBJECT_VALUES: dict[ObjectQuantity, ObjectValueReader] = {
     "pose": _pose,
     "velocity": _velocity,
     "angles": _angles,
-    "contact_force": _contact_force,
-    "contact_pairs": _contact_pairs,
+    "contact_force": contact_values.total_forces,
+    "contact_pairs": contact_values.forces_of_partners,
 }

@@ -8,11 +8,12 @@ from functools import partial
 
 import numpy as np
 
-from somo_cli.arrays import Array, invert
+from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.problems import EngineRefused
+from somo_cli.simulation.dynamics.free_base import FreeBase
 from somo_cli.simulation.engine.bullet.client import BulletClient
 from somo_cli.simulation.plan.model import Body
 
@@ -33,9 +34,8 @@ class BulletDynamics:
         ).pack  # numpy takes longer to read tuples
         self._is_free = body.base == "free"
         self._is_static_upright = False
-        self._base_to_joints: Array = np.zeros((self._count, 6))
-        self._base_inverse: Array = np.zeros((6, 6))
-        self._base_coupling: Array = self._base_to_joints.T
+        self._free_base: FreeBase | None = None  # of the last mass matrix, if nothing holds it
+        self._base_coupling: Array = np.zeros((6, self._count))
         self._inverse_dynamics = self._make_inverse_dynamics()
         module, client = engine.module, engine.number
         self._base_pose = partial(module.getBasePositionAndOrientation, index, client)
@@ -73,8 +73,8 @@ class BulletDynamics:
     def mass_matrix(self, angles: Sequence[float]) -> Array:
         """Return the joint-space inertia at these angles, shape (n, n).
 
-        For a free base it is the Schur complement in which the base is eliminated: what the
-        joints feel when nothing holds the base. A constrained base is held within the step.
+        A free base is eliminated: it is what the joints feel when nothing holds the base. A
+        constrained base is held within the step.
         """
         # the base's rows, if it can move, come first: angular, then linear, in its own frame
         try:
@@ -92,15 +92,13 @@ class BulletDynamics:
         matrix: Array = np.frombuffer(b"".join([pack(*row) for row in rows])).reshape(size, size)
         if size == self._count:
             return matrix
+        self._base_coupling = matrix[:6, 6:]
+        if self._is_free:
+            self._free_base = FreeBase.of(matrix)
+            return self._free_base.joint_inertia
         # products with an array of its own take a third of those with a part of another
-        base, across, joints = matrix[:6, :6], matrix[:6, 6:], matrix[6:, 6:].copy()
-        self._base_coupling = across
-        if not self._is_free:
-            return joints
-        self._base_inverse = invert(base)
-        self._base_to_joints = across.T.dot(self._base_inverse)
-        reduced: Array = joints - self._base_to_joints.dot(across)
-        return (reduced + reduced.T) / 2
+        joints: Array = matrix[6:, 6:].copy()
+        return joints
 
     def bias(
         self,
@@ -155,12 +153,13 @@ class BulletDynamics:
         """
         if not self._is_free:
             return forces
-        felt: Array = forces[6:] - self._base_to_joints.dot(forces[:6])
-        return felt
+        assert self._free_base is not None, "the mass matrix comes first"
+        return self._free_base.joint_torques(forces)
 
     def base_response(self) -> tuple[Array, Array]:
         """Return the inverse of the base's inertia, and its product with M_jb, of a free base."""
-        return self._base_inverse, self._base_to_joints
+        assert self._free_base is not None, "the mass matrix comes first"
+        return self._free_base.inverse, self._free_base.to_joints
 
     def to_base_axes(self, forces: Array) -> Array:
         """Return forces as `bias` gives them; those on the base come in the world's axes.
