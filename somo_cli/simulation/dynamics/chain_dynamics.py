@@ -9,21 +9,16 @@ joints of a limb are in series. Everything is in the units of the chain.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from somo_cli.arrays import Array
-from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
+from somo_cli.simulation.dynamics.cross_products import skew_matrices
 from somo_cli.simulation.dynamics.free_base import FreeBase
-
-IntArray: TypeAlias = npt.NDArray[np.intp]
-
-_IDENTITY_TRANSFORM = np.eye(4)
+from somo_cli.simulation.dynamics.link_frames import LinkFrames
 
 
 class ChainDynamics:
@@ -50,47 +45,18 @@ class ChainDynamics:
         self.moved_by: Array = np.zeros((self.count + 1, self.count))  # link l is moved by joint j
         for link, way in enumerate(self.moving_joints):
             self.moved_by[link, way] = 1.0
-        self._frame_products = _frame_products(chain)
-        # each joint as a homogeneous transform, linear in 1, sin q and 1 - cos q (Rodrigues)
-        self._constant: Array = np.tile(np.eye(4), (self.count, 1, 1))
-        self._constant[:, :3, 3] = np.array([joint.origin for joint in joints]).reshape(-1, 3)
-        self._sine: Array = np.zeros((self.count, 4, 4))
-        self._sine[:, :3, :3] = skew_matrices(self.axes)
-        self._versine: Array = self._sine @ self._sine
-        for index, joint in enumerate(joints):
-            if joint.rpy != geometry.ZERO:
-                turn = np.array(geometry.rotation_from_rpy(joint.rpy))
-                self._constant[index, :3, :3] = turn
-                self._sine[index, :3, :3] = turn @ self._sine[index, :3, :3]
-                self._versine[index, :3, :3] = turn @ self._versine[index, :3, :3]
+        self.frames = LinkFrames(chain)
 
     def at(self, angles: Sequence[float] | Array, base: Pose | None = None) -> ChainPose:
         """Return the chain at these joint angles [rad]; the base at the world's origin if None."""
         return ChainPose(self, np.asarray(angles, dtype=np.float64), base or Pose())
-
-    def frames(self, angles: Array, base: Pose) -> Array:
-        """Return the homogeneous transforms of all link frames in the world, (n + 1, 4, 4)."""
-        sine, versine = np.sin(angles), np.sin(0.5 * angles)
-        versine *= 2 * versine
-        frames: Array = np.empty((self.count + 1, 4, 4))
-        frames[0] = _IDENTITY_TRANSFORM
-        frames[0, :3, :3], frames[0, :3, 3] = base.rotation, base.position
-        steps = frames[1:]
-        np.multiply(sine[:, np.newaxis, np.newaxis], self._sine, steps)
-        steps += self._constant
-        steps += versine[:, np.newaxis, np.newaxis] * self._versine
-        # products of 2, 4, 8, ... in a row (Hillis and Steele, Comm. ACM 29 (1986) 1170): calls
-        # into numpy are what this costs
-        for links, before in self._frame_products:
-            frames[links] = frames[before] @ frames[links]
-        return frames
 
 
 class ChainPose:
     """A chain at one pose; vectors and points in the world frame."""
 
     def __init__(self, chain: ChainDynamics, angles: Array, base: Pose) -> None:
-        frames = chain.frames(angles, base)
+        frames = chain.frames.at(angles, base)
         self.chain = chain
         self.angles = angles
         self.rotations: Array = frames[:, :3, :3]  # of the link frames, (n + 1, 3, 3)
@@ -226,24 +192,6 @@ def _moved_links(joints: slice) -> range:
     return range(joints.start + 1, joints.stop + 1)
 
 
-def _frame_products(chain: Chain) -> tuple[tuple[slice | IntArray, slice | IntArray], ...]:
-    """Return which frames are multiplied by which, in turn, for all to be in the world's.
-
-    First by the parent's, then by that of the parent's parent, and so on by twice as many; of a
-    manipulator by itself these are slices, which numpy takes without a copy.
-    """
-    if not chain.limbs:
-        steps = tuple(1 << power for power in range(len(chain.joints).bit_length()))
-        return tuple((slice(step, None), slice(None, -step)) for step in steps)
-    found: list[tuple[IntArray, IntArray]] = []
-    before = np.array([-1, *(joint.parent for joint in chain.joints)], dtype=np.intp)
-    while (before >= 0).any():
-        links = np.flatnonzero(before >= 0)
-        found.append((links, before[links]))
-        before[links] = before[before[links]]
-    return tuple(found)
-
-
 def _series_stiffness(force: Array, axes: Array, arms: Array) -> Array:
     """Return minus F · (a_j x (a_i x r_i)), (m, m), j <= i, of m joints in series, mirrored."""
     # F · (a_j x b) = (F x a_j) · b; numpy's cross is slow, and this may run in many steps
@@ -252,16 +200,6 @@ def _series_stiffness(force: Array, axes: Array, arms: Array) -> Array:
     upper = np.triu((axes @ turn.T) @ swings.T)
     stiffness: Array = -(upper + np.triu(upper, 1).T)
     return stiffness
-
-
-def skew_matrices(vectors: Array) -> Array:
-    """Return the matrices, (n, 3, 3), that act on a vector as the cross products v x do."""
-    matrices: Array = np.zeros((len(vectors), 3, 3))
-    x, y, z = vectors.T
-    matrices[:, 0, 1], matrices[:, 1, 0] = -z, z
-    matrices[:, 0, 2], matrices[:, 2, 0] = y, -y
-    matrices[:, 1, 2], matrices[:, 2, 1] = -x, x
-    return matrices
 
 
 def _inertia_matrix(inertia: tuple[float, float, float, float, float, float]) -> list[list[float]]:

@@ -13,7 +13,7 @@ from typing import Protocol, cast
 import numpy as np
 
 from somo_cli.arrays import Array
-from somo_cli.simulation.dynamics.chain_dynamics import skew_matrices
+from somo_cli.simulation.dynamics.cross_products import skew_matrices
 from somo_cli.simulation.engine.interface import WorldFreeBody, WorldObject
 from somo_cli.simulation.integrator.body_stepper import BodyStepper
 from somo_cli.simulation.integrator.floating_base import FloatingBase

@@ -14,13 +14,12 @@ from typing import NoReturn, Protocol
 import numpy as np
 
 from somo_cli.arrays import Array
-from somo_cli.manipulator import geometry
 from somo_cli.problems import SimulationDiverged
 from somo_cli.simulation.dynamics.modal import largest_explicit_step
 from somo_cli.simulation.integrator.energy_bound import BodyEnergy
+from somo_cli.simulation.monitoring.object_divergence import check_objects
 from somo_cli.simulation.monitoring.object_motion import ObjectMotion
 from somo_cli.simulation.plan.model import Body, Plan
-from somo_cli.simulation.plan.units import unit_factors_of
 
 MAX_ANGLE_PER_STEP = math.pi  # rad; beyond, a joint's motion cannot be told from its alias
 # energy over what was put in; an integrator at its accuracy limit stays well below 2
@@ -106,7 +105,8 @@ class DivergenceMonitor:
         self._object_energy = self._read_object_energy()
         check(step, self._plan, self._bodies, self._object_energy)
         if self._objects:
-            check_objects(step, self._plan, self._objects, self._bodies, self._object_energy)
+            ratio = _max_energy_ratio(self._plan)
+            check_objects(step, self._plan, self._objects, self._bodies, self._object_energy, ratio)
 
     def count_valid_rows(self, histories: Sequence[StateHistory]) -> int:
         """Return the number of rows before the first invalid one; histories of all bodies."""
@@ -145,47 +145,6 @@ def check(
     is_fast = not all(one.max_rate < limit for one in bodies)
     if is_fast or not present <= _bound(plan, bodies, object_energy):
         _raise_diverged(step, plan, bodies)
-
-
-def check_objects(
-    step: int,
-    plan: Plan,
-    objects: Sequence[ObjectMotion],
-    bodies: Sequence[MeasurableBody],
-    object_energy: float,
-) -> None:
-    """Raise SimulationDiverged if objects have more kinetic energy than was put into the scene.
-
-    That is counted closely, without what gravity could give to bodies that fell as far as they can,
-    because one light object in a heavy scene may be fast enough to be useless with little of it. An
-    object that turns too far in a step counts as diverged, too, and so does a state that is NaN.
-    """
-    for one in objects:
-        angle = one.rate * plan.time_step
-        if not angle < one.max_angle:
-            _raise_object_diverged(step, plan, one, f"it turns {angle:.3g} rad in one step")
-    ratio = _max_energy_ratio(plan)
-    bound = ratio * (object_energy + sum(one.energy.input_energy for one in bodies))
-    bound += sum(one.energy.floor for one in bodies) + sum(one.floor for one in objects)
-    # what is quick to tell comes first, and is enough but for what is suspicious
-    if sum(one.energy_bound for one in objects) <= bound:
-        return
-    energies = [one.energy() for one in objects]
-    if not sum(energies) <= bound + ratio * sum(max(0.0, one.gravity_work()) for one in bodies):
-        culprit = objects[_index_of_largest(np.array(energies))]
-        speed = geometry.norm(culprit.world_object.velocity()[0]) / unit_factors_of(plan).length
-        _raise_object_diverged(
-            step,
-            plan,
-            culprit,
-            f"it moves at {speed:.3g} m/s and turns at {culprit.rate:.3g} rad/s, with more energy "
-            "than was put in",
-        )
-
-
-def _raise_object_diverged(step: int, plan: Plan, one: ObjectMotion, reason: str) -> NoReturn:
-    hint = f"try half the step, --time-step {plan.time_step / 2:g}"
-    raise SimulationDiverged(step, step * plan.time_step, one.name, reason, hint, "object")
 
 
 def _bound(plan: Plan, bodies: Sequence[BodyInMotion], object_energy: float) -> float:
