@@ -32,8 +32,9 @@ class BodyActuation:
         self._time = time
         for at, put in self._setters:
             put(at(time))
-        for given in self._given.values():
-            given.put(given.torque)
+        if self._given:
+            for given in self._given.values():
+                given.put(given.torque)
 
     def give_torque(self, joints: tuple[int, ...], torque: float, factor: float) -> None:
         """Apply a torque [N·m] to joints from the next `set_torques` on.

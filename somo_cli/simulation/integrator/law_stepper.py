@@ -45,6 +45,7 @@ class LawStepper:
         self._inertia = inertia
         self._policy = policy
         self.reused = ReusedCorrection(law)
+        self._apply, self._reused_torques = base.apply, self.reused.torques
         self._limit_torques = partial(limits.torques, law.time_step, law.angles, law.rates)
         self._at_check: tuple[Array, Array] | None = None  # correction and bias at the last check
         self._last_correction = np.zeros(0), np.zeros(0)  # correction and bias of the last refresh
@@ -94,7 +95,7 @@ class LawStepper:
 
     def apply_reused(self) -> None:
         """Apply torques with a reused correction, as most steps do."""
-        self._base.apply(self.reused.torques())
+        self._apply(self._reused_torques())
 
     def _reuse_steps(self, change: Array, max_rate: float) -> int:
         """Return for how many steps a correction that changed by `change` may be reused."""
