@@ -18,8 +18,8 @@ from tests.loading import scene_from_file
 KEYS = [
     "somo", "engine", "numpy", "python", "platform", "inputs", "overrides", "integrator",
     "time_step_s", "time_step_chosen", "expected_tip_error_relative", "steps",
-    "stopped_by", "findings", "record_every", "rows", "plan", "columns", "world_scale", "manipulators",
-    "simulated_time_s", "run_time_s", "steps_per_second", "real_time_factor",
+    "stopped_by", "findings", "record_every", "rows", "plan", "columns", "world_scale",
+    "manipulators", "simulated_time_s", "run_time_s", "steps_per_second", "real_time_factor",
 ]  # fmt: skip
 OF_THE_MACHINE = {"engine", "numpy", "python", "platform"}
 OF_THE_RUN = {"run_time_s", "steps_per_second", "real_time_factor"}
