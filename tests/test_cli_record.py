@@ -117,8 +117,12 @@ def test_the_ground_is_ambiguous_beside_an_object_of_its_name(
     ("options", "message"),
     [
         (("--set", "record.events=true", "-o", "-"), "no file to put them beside"),
-        (("--events", "a.csv", "-o", "./a.csv"), "a.csv is where the rows go"),
+        (("--events", "a.csv", "-o", "./a.csv"), "a.csv would be written twice"),
         (("--events", "-", "-o", "-"), "- is where the rows go"),
+        (("--events", "A.CSV", "-o", "a.csv"), "A.CSV would be written twice"),
+        (("--events", "a.csv.partial", "-o", "a.csv"), "a.csv.partial would be written twice"),
+        (("--events", "a.meta.json", "-o", "a.csv"), "a.meta.json would be written twice"),
+        (("--events", "a", "-o", "a.partial"), "a.partial would be written twice"),
         (("--events", "finger.yaml"), "finger.yaml is one of the files that are read"),
     ],
 )

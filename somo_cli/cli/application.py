@@ -4,7 +4,6 @@ import functools
 import os
 import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
@@ -19,7 +18,6 @@ from somo_cli.problems import (
 )
 
 if TYPE_CHECKING:
-    from somo_cli.document.parse import Document
     from somo_cli.packages import Access
 
 EXIT_CODES = """Exit codes: 0 success; 1 a check found problems; 2 wrong usage; 3 the definition,
@@ -132,15 +130,6 @@ def access_of(allow_outside: bool, package: list[str] | None) -> "Access":
         return packages.Access(allow_outside, packages.read_packages(package or []))
     except ValueError as error:
         raise typer.BadParameter(str(error), param_hint="'--package'") from None
-
-
-def refuse_overwriting(document: "Document", output: str, option: str = "--output") -> None:
-    """Exit with a usage error if an output is one of the files that were read."""
-    target = Path(output)
-    is_input = target.exists() and any(
-        Path(source).exists() and target.samefile(source) for source in document.texts
-    )
-    require(not is_input, option, f"{output} is one of the files that are read")
 
 
 def require(is_right: bool, option: str, message: str) -> None:

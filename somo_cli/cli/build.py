@@ -11,10 +11,10 @@ from somo_cli.cli.application import (
     QuietOption,
     SetOption,
     app,
-    refuse_overwriting,
     report_errors,
     require,
 )
+from somo_cli.cli.outputs import refuse_overwriting, refuse_replacing_unknown
 
 
 @app.command(epilog=EXIT_CODES)
@@ -79,6 +79,8 @@ def build(
         require_equal(text, compiled.scaled_chain(wanted))
     name = compiled.definition.urdf_filename or f"{Path(definition).stem}.urdf"
     refuse_overwriting(document, output or name)
+    if output is None and compiled.definition.urdf_filename:
+        refuse_replacing_unknown(name, definition)
     if output == "-":
         with output_files.open_partial("-") as stream:
             stream.write(text)

@@ -17,10 +17,10 @@ from somo_cli.cli.application import (
     SetOption,
     access_of,
     app,
-    refuse_overwriting,
     report_errors,
     require,
 )
+from somo_cli.cli.outputs import refuse_overwriting
 from somo_cli.cli.render_look import look_of
 from somo_cli.cli.render_timing import Timing
 

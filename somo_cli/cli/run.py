@@ -19,11 +19,11 @@ from somo_cli.cli.application import (
     SetOption,
     access_of,
     app,
-    refuse_overwriting,
     report_errors,
     require,
 )
-from somo_cli.cli.run_outputs import Targets, beside, target_of_events, with_columns
+from somo_cli.cli.outputs import refuse_unsafe
+from somo_cli.cli.run_outputs import Targets, beside, outputs_of, target_of_events, with_columns
 from somo_cli.problems import SimulationDiverged
 
 if TYPE_CHECKING:
@@ -124,10 +124,8 @@ def run(
     if record:
         planned = with_columns(planned, record)
     target = output or f"{Path(scene).stem}.csv"
-    refuse_overwriting(document, target)
     targets = target, target_of_events(planned, target, events)
-    if targets[1] is not None:
-        refuse_overwriting(document, targets[1], "--events")
+    refuse_unsafe(document.texts, outputs_of(targets))
     from somo_cli.api import runs
     from somo_cli.simulation import plan_report
 

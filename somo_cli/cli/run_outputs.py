@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
@@ -11,6 +10,7 @@ import typer
 
 from somo_cli import output_files
 from somo_cli.cli.application import require
+from somo_cli.cli.outputs import Output
 
 if TYPE_CHECKING:
     from somo_cli.scene.model import Scene
@@ -39,9 +39,19 @@ def target_of_events(scene: Scene, output: str, events: str | None) -> str | Non
         from somo_cli.scene.checks.recording import AMBIGUOUS_GROUND, is_ground_name_ambiguous
 
         require(not is_ground_name_ambiguous(scene), "--events", AMBIGUOUS_GROUND)
-        is_same = os.path.realpath(events) == os.path.realpath(output)
-        require(not is_same, "--events", f"{events} is where the rows go")
+        require(not events == output == "-", "--events", "- is where the rows go")
     return events
+
+
+def outputs_of(targets: Targets) -> list[Output]:
+    """Return every file that a run writes, those of unfinished rows and events included."""
+    output, events = targets
+    found = [(output, "--output"), (f"{output}.partial", "--output")]
+    if output != "-":
+        found.append((beside(output, "meta.json"), "--output"))
+    if events is not None:
+        found += [(events, "--events"), (f"{events}.partial", "--events")]
+    return [one for one in found if one[0] != "-.partial"]
 
 
 def beside(output: str, suffix: str) -> str:

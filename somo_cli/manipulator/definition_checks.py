@@ -65,8 +65,11 @@ def filename_problems(document: Document, at: Pointer, filename: str) -> Iterato
     """Yield the problem of a `urdf_filename` that is not just a file name."""
     parts = filename.replace("\\", "/").split("/")
     hint = "give a name without a folder; choose the folder with -o"
-    if parts[0] in ("", "~") or ".." in parts or parts[-1] in ("", ".") or ":" in filename:
-        message = f"urdf_filename '{filename}' is not the name of a file"
+    is_path = parts[0] in ("", "~") or ".." in parts or ":" in filename
+    # "-" would be a stream or an option; a dot hides a file, and may be a shell's own
+    is_name = filename.isprintable() and parts[-1] and not parts[-1].startswith((".", "-"))
+    if is_path or not is_name:
+        message = f"urdf_filename {filename!r} is not the name of a file"
         yield Problem(document.span(at), message, hint)
     elif len(parts) > 1:
         message = f"the folder in urdf_filename '{filename}' is ignored"

@@ -11,6 +11,7 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
 
 from somo_cli.manipulator.chain import Chain, Joint, Limb, Link, Shape
 from somo_cli.manipulator.definition import Material
@@ -27,6 +28,13 @@ class _Contents:
 
 
 _HEADER = '<?xml version="1.0" encoding="utf-8"?>\n'
+
+
+def is_ours(path: Path) -> bool:
+    """Whether a file begins as the URDFs do that `render` returns. Raises OSError."""
+    start = f'{_HEADER}<robot name="'.encode()
+    with path.open("rb") as stream:
+        return stream.read(len(start)) == start
 
 
 def render(chain: Chain, tip_frame: str | None = None) -> str:

@@ -1,0 +1,82 @@
+"""No command replaces a file that it reads, or one that a stranger's file names."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import Somo
+
+DEFINITIONS = Path(__file__).parents[1] / "definitions"
+
+
+@pytest.fixture
+def here(tmp_path: Path) -> Path:
+    """A folder with the shipped finger and its scene."""
+    for name in ("finger.yaml", "scene.yaml"):
+        shutil.copy(DEFINITIONS / name, tmp_path)
+    return tmp_path
+
+
+def named(here: Path, name: str) -> None:
+    """Have the definition name its own URDF."""
+    text = (here / "finger.yaml").read_text("utf-8")
+    (here / "stranger.yaml").write_text(f"urdf_filename: {name!r}\n{text}", "utf-8")
+
+
+@pytest.mark.parametrize("name", ["Makefile", "notes.urdf"])
+def test_a_name_from_a_file_replaces_nothing_that_is_not_ours(
+    somo: Somo, here: Path, name: str
+) -> None:
+    (here / name).write_text("all: work of years\n", "utf-8")
+    named(here, name)
+    done = somo("build", "stranger.yaml")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "is a file that somo did not write" in " ".join(done.stderr.split())
+    assert (here / name).read_text("utf-8") == "all: work of years\n"
+    # named on the command line it is the user's will
+    assert somo("build", "stranger.yaml", "-o", name).returncode == 0
+    assert (here / name).read_text("utf-8").startswith("<?xml")
+    # and what was built once is built again
+    assert somo("build", "stranger.yaml").returncode == 0
+
+
+def test_a_link_to_a_foreign_file_is_not_followed(somo: Somo, here: Path) -> None:
+    (here / "secret").write_text("of value", "utf-8")
+    (here / "a.urdf").symlink_to("secret")
+    (here / "b.urdf").symlink_to("nowhere")
+    for name in ("a.urdf", "b.urdf"):
+        named(here, name)
+        assert somo("build", "stranger.yaml").returncode == 2
+    assert (here / "secret").read_text("utf-8") == "of value"
+    assert not (here / "nowhere").exists()
+
+
+@pytest.mark.parametrize("name", ["-", ".bashrc", "a\nb", "folder/.profile", "-o"])
+def test_a_name_that_is_none_is_an_error_of_the_file(somo: Somo, here: Path, name: str) -> None:
+    text = (here / "finger.yaml").read_text("utf-8")
+    quoted = name.replace("\n", "\\n")
+    (here / "stranger.yaml").write_text(f'urdf_filename: "{quoted}"\n{text}', "utf-8")
+    before = sorted(path.name for path in here.iterdir())
+    done = somo("build", "stranger.yaml")
+    assert (done.returncode, done.stdout) == (3, "")
+    assert "stranger.yaml:1:16: error: urdf_filename" in done.stderr
+    assert "is not the name of a file" in done.stderr
+    assert sorted(path.name for path in here.iterdir()) == before
+
+
+@pytest.mark.moderate
+def test_the_metadata_of_a_run_does_not_replace_its_scene(somo: Somo, here: Path) -> None:
+    pytest.importorskip("pybullet")
+    (here / "b.meta.json").write_text('{"manipulators": [{"definition": "finger.yaml"}]}', "utf-8")
+    scene = (here / "b.meta.json").read_bytes()
+    done = somo("run", "b.meta.json", "--steps", "3", "-o", "b.csv")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "b.meta.json is one of the files that are read" in " ".join(done.stderr.split())
+    assert (here / "b.meta.json").read_bytes() == scene
+    (here / "c.csv.partial").write_bytes(scene)
+    done = somo("run", "c.csv.partial", "--steps", "3", "-o", "c.csv")
+    assert done.returncode == 2
+    assert (here / "c.csv.partial").read_bytes() == scene
