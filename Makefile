@@ -91,6 +91,7 @@ bench: sync ## measure speed, start-up, error against run time, stability, physi
 	$(RUN) tests.bench.engine
 	$(RUN) tests.bench.recording
 	$(RUN) tests.bench.rendering
+	$(RUN) tests.bench.calls
 	$(RUN) tests.bench.hand
 	$(RUN) tests.bench.stacking
 	$(RUN) tests.bench.accuracy

@@ -1,4 +1,4 @@
-"""The world on headless PyBullet; with `bullet_*` beside it, all of the simulation that knows it.
+"""The world on headless PyBullet: loads a plan, steps it, and reports its contacts.
 
 Facts about PyBullet 3.2.7 that the code below depends on stand beside the lines they explain.
 """
