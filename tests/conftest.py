@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 import somo_cli
+from tests.builders.command import Somo
 
 # Whatever makes typer, rich or Python itself speak differently in a pipe than on a fresh machine.
 _LOUD = (
@@ -28,8 +28,6 @@ _LOUD = (
     "TTY_COMPATIBLE",
     "TTY_INTERACTIVE",
 )
-
-Somo = Callable[..., "subprocess.CompletedProcess[str]"]
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

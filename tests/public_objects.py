@@ -27,7 +27,7 @@ from somo_cli.problems import EngineRefused, InvalidFile
 from somo_cli.scene.model import Scene
 from somo_cli.scene.proximity import bounding_box
 from somo_cli.simulation.engine.bullet.c_stdio import captured_output
-from tests.loading import rows_of
+from tests.builders.runs import rows_of
 
 DATA = Path(pybullet_data.getDataPath())
 STEP, STEPS = 1 / 240, 720

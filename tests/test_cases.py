@@ -17,7 +17,7 @@ from typing import NamedTuple
 import pytest
 
 from somo_cli import cli
-from tests.conftest import Somo
+from tests.builders.command import Somo
 
 CASES = Path(__file__).parent / "cases"
 

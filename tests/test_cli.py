@@ -20,7 +20,7 @@ import pytest
 
 import somo_cli
 from somo_cli import __version__
-from tests.conftest import Somo
+from tests.builders.command import Somo
 
 VALID = Path(__file__).parent / "cases" / "valid"
 Start = Callable[..., "subprocess.Popen[str]"]

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.conftest import Somo
+from tests.builders.command import Somo
 
 FOLDER = Path(__file__).parents[1] / "definitions"
 PAIR = """

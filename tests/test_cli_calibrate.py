@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 from somo_cli.document.parse import parse
-from tests.conftest import Somo
-from tests.loading import DEFINITIONS
+from tests.builders.command import Somo
+from tests.builders.scenes import DEFINITIONS
 
 pytestmark = pytest.mark.slow  # a process for each
 

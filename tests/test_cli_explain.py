@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.conftest import Somo
-from tests.loading import DEFINITIONS
+from tests.builders.command import Somo
+from tests.builders.scenes import DEFINITIONS
 
 pytest.importorskip("pybullet")
 

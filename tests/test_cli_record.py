@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.conftest import Somo
+from tests.builders.command import Somo
 
 DEFINITIONS = Path(__file__).parents[1] / "definitions"
 LEAVES = "stop=[{object: cube, leaves: {y: [0, 0.05]}}]"

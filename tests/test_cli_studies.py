@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.conftest import Somo
-from tests.loading import DEFINITIONS
+from tests.builders.command import Somo
+from tests.builders.scenes import DEFINITIONS
 
 pytestmark = pytest.mark.slow  # a process for each
 

@@ -16,13 +16,14 @@ from somo_cli.problems import SimulationDiverged
 from somo_cli.scene.columns import header
 from somo_cli.simulation.engine.bullet import collision_filter
 from somo_cli.simulation.plan.build import make_plan
-from tests.conftest import Somo
+from tests.builders.command import Somo
+from tests.builders.runs import rows_of
+from tests.builders.scenes import DEFINITIONS, scene_from_file
 from tests.contact import second_opinion
 from tests.contact.candidates import EXPLICIT, PLAIN, Candidate, filters
 from tests.contact.cases import REACH, Case, blocked, box, cases, finger, named, scene_of
 from tests.contact.chatter import shake
 from tests.contact.trial import recorded, trial
-from tests.loading import DEFINITIONS, rows_of, scene_from_file
 
 pytest.importorskip("pybullet")
 

@@ -20,8 +20,8 @@ from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.compile import compile_definition
 from somo_cli.manipulator.kinematics import Pose, link_poses
 from somo_cli.manipulator.round_solids import RoundedBox
-from tests.conftest import Somo
-from tests.manipulator.bodies import bullet_mass_matrix
+from tests.builders.command import Somo
+from tests.builders.urdf_in_bullet import bullet_mass_matrix
 
 FOLDER = Path(__file__).parents[1] / "definitions"
 FILES = sorted(FOLDER.glob("*.yaml"))

@@ -10,7 +10,7 @@ import pytest
 
 from tests.architecture.imports import PACKAGE
 from tests.architecture.law import HOMES, room_of
-from tests.loading import DEFINITIONS
+from tests.builders.scenes import DEFINITIONS
 
 IMPORTED = """
 import sys

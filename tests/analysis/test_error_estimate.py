@@ -13,8 +13,10 @@ from somo_cli.scene import columns
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import in_turn, rows_of, scene_from_file, scene_from_text, simulated
-from tests.simulation.test_physics import error_of_hinge, finger, hinge, truth_of_finger
+from tests.builders.fingers import finger, truth_of_finger
+from tests.builders.pendulum import error_of_hinge, hinge
+from tests.builders.runs import in_turn, rows_of, simulated
+from tests.builders.scenes import scene_from_file, scene_from_text
 
 
 def estimated(scene: Scene, steps: int) -> ErrorEstimate:

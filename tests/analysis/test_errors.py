@@ -12,8 +12,8 @@ from somo_cli.analysis.reference import extrapolate
 from somo_cli.scene import columns
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
-from tests.loading import scene_from_text
-from tests.manipulator.bodies import X, actuator, manipulator
+from tests.builders.definitions import X, actuator, manipulator
+from tests.builders.scenes import scene_from_text
 
 QUANTITIES = ["tip_position", "joint_angles", "energy", "base_pose", "link_orientations"]
 

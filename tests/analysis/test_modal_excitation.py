@@ -11,7 +11,7 @@ from somo_cli.analysis.stability import forecast_of
 from somo_cli.scene.signals import piecewise_signal
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
-from tests.loading import scene_from_text
+from tests.builders.scenes import scene_from_text
 
 
 def test_the_acceleration_is_the_second_derivative() -> None:

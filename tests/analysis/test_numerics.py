@@ -11,7 +11,7 @@ from somo_cli.analysis.trajectory import MAX_POSES, visited_poses
 from somo_cli.document.table import Table, read_table
 from somo_cli.problems import InvalidFile
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import DEFINITIONS, scene_from_file
+from tests.builders.scenes import DEFINITIONS, scene_from_file
 
 CUT = "manipulators[0].definition.actuator_definitions[0]"
 HINGES = f"{CUT}.joint_definitions"

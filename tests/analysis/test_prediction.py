@@ -16,8 +16,9 @@ from somo_cli.analysis.stability import forecast_of, recommended_step
 from somo_cli.scene.model import Integrator, Scene
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import rows_of, scene_from_file, scene_from_text
-from tests.simulation.test_physics import THROWN
+from tests.builders.fingers import THROWN
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_file, scene_from_text
 
 pytestmark = pytest.mark.slow
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 from somo_cli.analysis.scene_variants import study_variant
-from tests.loading import scene_from_file
+from tests.builders.scenes import scene_from_file
 
 
 def test_a_study_records_what_it_compares_and_what_the_scene_picks() -> None:

@@ -15,8 +15,10 @@ from somo_cli.scene.model import Scene
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.dynamics.modal import largest_explicit_step
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import rows_of, scene_from_file, scene_from_text
-from tests.simulation.test_physics import HINGE, INERTIA, JOINTS, THROWN
+from tests.builders.fingers import THROWN
+from tests.builders.pendulum import HINGE, INERTIA
+from tests.builders.runs import rows_of
+from tests.builders.scenes import JOINTS, scene_from_file, scene_from_text
 
 pytestmark = pytest.mark.slow
 

@@ -21,8 +21,8 @@ from somo_cli.analysis.study_model import Study, StudySettings
 from somo_cli.manipulator.resegmentation import NotUniform
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.engine.bullet.world import BulletWorld
-from tests.loading import scene_from_file, scene_from_text
-from tests.simulation.test_physics import HINGE
+from tests.builders.pendulum import HINGE
+from tests.builders.scenes import scene_from_file, scene_from_text
 
 pytestmark = pytest.mark.slow
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import somo_cli as somo
-from tests.loading import DEFINITIONS
+from tests.builders.scenes import DEFINITIONS
 
 BROKEN = "manipulators:\n  - definition: missing.yaml\ntime_step: -1\n"
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from tests.loading import DEFINITIONS
+from tests.builders.scenes import DEFINITIONS
 
 pytest.importorskip("pybullet")
 

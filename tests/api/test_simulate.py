@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import somo_cli as somo
-from tests.loading import DEFINITIONS
+from tests.builders.scenes import DEFINITIONS
 
 pytest.importorskip("pybullet")
 

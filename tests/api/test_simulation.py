@@ -13,7 +13,7 @@ import pytest
 
 import somo_cli as somo
 from somo_cli.loading import load_text
-from tests.loading import DEFINITIONS
+from tests.builders.scenes import DEFINITIONS
 
 pytest.importorskip("pybullet")
 

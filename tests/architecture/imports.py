@@ -26,6 +26,7 @@ def module_name(path: Path) -> str:
     return ".".join(part for part in parts if part != "__init__")
 
 
+OURS = ("somo_cli", "tests")
 SOURCES = {module_name(path): path.read_text("utf-8") for path in sorted(PACKAGE.rglob("*.py"))}
 
 
@@ -40,8 +41,8 @@ def imports(source: str) -> Iterator[Import]:
             case ast.ImportFrom():
                 dots = "." * node.level
                 for alias in node.names:
-                    # `from somo_cli import terminal` names a room, not an object within one.
-                    inside = f".{alias.name}" if (node.module or "").startswith("somo_cli") else ""
+                    # `from somo_cli import terminal` names a room, not an object within one
+                    inside = f".{alias.name}" if (node.module or "").startswith(OURS) else ""
                     yield Import(f"{dots}{node.module or ''}{inside}", node.lineno, at_start)
             case ast.Call(
                 func=ast.Attribute(attr="import_module")

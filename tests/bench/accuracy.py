@@ -21,8 +21,8 @@ from somo_cli.scene.model import Scene
 from somo_cli.simulation import run
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import scene_from_text
-from tests.simulation.mujoco_reference import model_of, trajectory
+from tests.builders.mujoco_reference import model_of, trajectory
+from tests.builders.scenes import scene_from_text
 
 STEPS = (5e-3, 2e-3, 1e-3, 5e-4, 2.5e-4)
 MOTIONS = {

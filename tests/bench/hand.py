@@ -29,7 +29,8 @@ from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.recording.row_assembler import RowWriter
 from tests.bench.classic import leave_at_defaults
-from tests.loading import rows_of, scene_from_text
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_text
 
 SECONDS = 1.0  # simulated
 CLASSIC = 1e-3  # s

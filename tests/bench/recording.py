@@ -29,7 +29,7 @@ from somo_cli.simulation.recording import columns, shortest_float
 from somo_cli.simulation.recording.csv_writer import CsvWriter
 from somo_cli.simulation.run import run
 from tests.bench.stepping import plan_of
-from tests.loading import DEFINITIONS
+from tests.builders.scenes import DEFINITIONS
 
 STEPS = 4000
 RECORDED: tuple[Quantity, ...] = (

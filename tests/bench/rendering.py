@@ -16,7 +16,7 @@ from somo_cli.picture.camera import VIEWS, framing, radius_of
 from somo_cli.picture.drawn_parts import framed_points, parts_of, poses_at, start_configuration
 from somo_cli.picture.shading import Ground, Shading, smoothed, tile_edge
 from somo_cli.picture.tiny_renderer import TinyRenderer
-from tests.loading import scene_from_file
+from tests.builders.scenes import scene_from_file
 
 SIZE = (960, 720)
 ROUNDS = 7

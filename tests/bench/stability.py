@@ -12,7 +12,8 @@ import itertools
 from somo_cli.problems import SimulationDiverged
 from somo_cli.scene.actuation import Actuation, WaypointProfile
 from somo_cli.scene.model import Scene
-from tests.loading import rows_of, scene_from_file
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_file
 
 JOINTS = (1, 10, 40)
 STIFFER = (1.0, 1e2, 1e4, 1e6)

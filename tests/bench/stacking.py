@@ -32,7 +32,7 @@ from somo_cli.simulation.integrator.reused_correction import ReusedCorrection
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
 from tests.bench import hand
-from tests.loading import scene_from_text
+from tests.builders.scenes import scene_from_text
 
 FINGERS = (1, 2, 4, 8)
 JOINTS = 10

@@ -15,7 +15,7 @@ import sys
 import tempfile
 import time
 
-from tests.loading import DEFINITIONS
+from tests.builders.scenes import DEFINITIONS
 
 FINGER, SCENE = str(DEFINITIONS / "finger.yaml"), str(DEFINITIONS / "scene.yaml")
 COMMANDS = {

@@ -25,8 +25,8 @@ from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
 from tests.bench.classic import leave_at_defaults
-from tests.loading import scene_from_file
-from tests.simulation.mujoco_reference import model_of
+from tests.builders.mujoco_reference import model_of
+from tests.builders.scenes import scene_from_file
 
 STEPS = 1000
 STEPS_OF_CLASSIC = 200  # each costs the same, and those of long chains milliseconds

@@ -12,7 +12,7 @@ from somo_cli.calibration.moment_arms import of_definition
 from somo_cli.manipulator.chain_build import build_chain
 from somo_cli.manipulator.definition import Definition
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
-from tests.manipulator.bodies import Data, X, Y, Z, actuator, compiled, hinge, manipulator
+from tests.builders.definitions import Data, X, Y, Z, actuator, compiled, hinge, manipulator
 
 OFFSET = hinge(1, 0, 0, neutral_axis_offset=[0, 0.006, 0, 0, 0, 0])
 

@@ -13,8 +13,9 @@ from somo_cli.calibration.damping import NoMode, lowest_mode
 from somo_cli.calibration.ring_down import ring_down
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
-from tests.loading import rows_of, scene_from_file, scene_from_text
-from tests.manipulator.bodies import Data, X, Y, actuator, hinge, manipulator
+from tests.builders.definitions import Data, X, Y, actuator, hinge, manipulator
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_file, scene_from_text
 
 
 def plan_of(*actuators: Data, **of_scene: Any) -> Plan:

@@ -13,8 +13,8 @@ from somo_cli.document.table import read_table
 from somo_cli.problems import InvalidFile
 from somo_cli.scene import columns
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import scene_from_text
-from tests.manipulator.bodies import X, Y, actuator, manipulator
+from tests.builders.definitions import X, Y, actuator, manipulator
+from tests.builders.scenes import scene_from_text
 
 SCENE = scene_from_text(
     json.dumps({"manipulators": [{"definition": manipulator(actuator(2, X, Y))}]})

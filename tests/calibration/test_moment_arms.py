@@ -17,8 +17,8 @@ from somo_cli.calibration.moment_arms import (
 from somo_cli.manipulator.chain_build import build_chain
 from somo_cli.manipulator.definition import Definition, Placement
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
-from tests.loading import scene_from_file
-from tests.manipulator.bodies import Data, X, Y, Z, actuator, compiled, hinge, manipulator
+from tests.builders.definitions import Data, X, Y, Z, actuator, compiled, hinge, manipulator
+from tests.builders.scenes import scene_from_file
 
 XYZ = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 WANTED = 6.12  # N/m

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from somo_cli.scene.model import Quantity, Scene
-from tests.loading import scene_from_text
-from tests.manipulator.bodies import actuator, hinge, manipulator
+from tests.builders.definitions import actuator, hinge, manipulator
+from tests.builders.scenes import scene_from_text
 
 Table = Mapping[str, np.ndarray]
 Data = dict[str, Any]

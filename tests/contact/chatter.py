@@ -16,9 +16,9 @@ from somo_cli.analysis.recorded_run import record_rows
 from somo_cli.problems import SimulationDiverged
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.build import make_plan
+from tests.builders.scenes import scene_from_text
 from tests.contact.candidates import Candidate
 from tests.contact.cases import dragged
-from tests.loading import scene_from_text
 
 DAMPERS = (1, 30, 300)  # times the shipped finger's
 STEPS = (2e-3, 1e-3, 5e-4)  # s

@@ -21,7 +21,7 @@ from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.dynamics.modal import natural_frequencies
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
-from tests.loading import DEFINITIONS
+from tests.builders.scenes import DEFINITIONS
 
 CASES = Path(__file__).with_name("cases.yaml")
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from somo_cli.analysis.modes import SingularInertia
 from somo_cli.analysis.stability import forecast_of
 from somo_cli.problems import EngineRefused, SimulationDiverged
+from tests.builders.runs import rows_of
 from tests.extreme.case import Case
-from tests.loading import rows_of
 
 MARGIN = 1.05
 FACTORS = (MARGIN, 1.1, 1.2, 1.5, 2.0, 4.0, 10.0)

@@ -14,9 +14,9 @@ from somo_cli.scene.model import Integrator
 from somo_cli.simulation import run
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.model import Plan
+from tests.builders.momentum import momentum
 from tests.extreme.case import Case
 from tests.extreme.statics import equilibrium, slowest_decay
-from tests.simulation.test_physics import momentum
 
 ROWS = 50
 DECAYS = 25.0  # time constants after which nothing but rounding is left

@@ -10,8 +10,9 @@ import numpy as np
 
 from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
-from tests.loading import rows_of, scene_from_text
-from tests.manipulator.bodies import actuator, hinge, manipulator
+from tests.builders.definitions import actuator, hinge, manipulator
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_text
 
 _URDF = (
     '<robot name="body"><link name="link"><inertial><mass value="{mass!r}"/>'

@@ -14,8 +14,8 @@ import numpy as np
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.dynamics.modal import natural_frequencies
-from tests.loading import scene_from_text
-from tests.manipulator.bodies import actuator, chain_of, hinge, manipulator
+from tests.builders.definitions import actuator, chain_of, hinge, manipulator
+from tests.builders.scenes import scene_from_text
 
 Data = dict[str, Any]
 Shape = Literal["ball", "cube", "capsule"]

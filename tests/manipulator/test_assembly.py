@@ -6,8 +6,8 @@ import pytest
 
 from somo_cli.manipulator import assembly
 from somo_cli.manipulator.dimensions import Scale
-from tests.manipulator.bodies import BOX, SPHERE, X, Y, Z, actuator, document_of, manipulator
-from tests.manipulator.test_tree import assembly_of
+from tests.builders.assemblies import assembly_of
+from tests.builders.definitions import BOX, SPHERE, X, Y, Z, actuator, document_of, manipulator
 
 ONE = manipulator(actuator(4, X, Y), base_definition=BOX, tip_definition=SPHERE)
 TWO = manipulator(actuator(2, Z), actuator(3, X))

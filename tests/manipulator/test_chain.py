@@ -11,7 +11,7 @@ from somo_cli.manipulator.chain import Chain, Shape
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.manipulator.solids import Box, Cylinder, Sphere
 from somo_cli.manipulator.urdf import render
-from tests.manipulator.bodies import (
+from tests.builders.definitions import (
     BOX,
     CAPSULE,
     CYLINDER,
@@ -24,12 +24,12 @@ from tests.manipulator.bodies import (
     Z,
     actuator,
     bent,
-    bullet_mass_matrix,
     chain_of,
     hinge,
     manipulator,
 )
-from tests.simulation.mujoco_reference import model_of
+from tests.builders.mujoco_reference import model_of
+from tests.builders.urdf_in_bullet import bullet_mass_matrix
 
 FIXED: Data = {"joint_type": "fixed"}
 BASE = {**BOX, "dimensions": [0.03, 0.03, 0.01], "mass": 0.1}

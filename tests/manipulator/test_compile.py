@@ -7,7 +7,7 @@ from somo_cli.manipulator.chain_build import build_chain
 from somo_cli.manipulator.compile import compile_definition, compile_sound, document_problems
 from somo_cli.manipulator.dimensions import Scale, scaled
 from somo_cli.problems import InvalidFile
-from tests.manipulator.bodies import (
+from tests.builders.definitions import (
     BOX,
     CYLINDER,
     EVERYTHING,

@@ -22,7 +22,7 @@ from somo_cli.manipulator.dimensions import (
     Torque,
     scaled,
 )
-from tests.manipulator.bodies import EVERYTHING, chain_of
+from tests.builders.definitions import EVERYTHING, chain_of
 
 SCALES = [Scale(20), Scale(0.5, 3), Scale(1, 1000)]
 

@@ -29,7 +29,7 @@ from somo_cli.manipulator import compile as compiler
 from somo_cli.manipulator.compile import Compiled
 from somo_cli.manipulator.dimensions import Scale
 from somo_cli.manipulator.urdf_readback import require_equal
-from tests.manipulator.bodies import in_bullet
+from tests.builders.urdf_in_bullet import in_bullet
 
 ROOT = Path(__file__).parents[2]
 GOLDEN = ROOT / "tests" / "golden"

@@ -19,7 +19,7 @@ from somo_cli.manipulator.compile import compile_definition
 from somo_cli.manipulator.kinematics import Pose, link_poses
 from somo_cli.manipulator.solids import Cylinder
 from somo_cli.manipulator.urdf import render
-from tests.manipulator.bodies import (
+from tests.builders.definitions import (
     EVERYTHING,
     Data,
     X,
@@ -27,9 +27,9 @@ from tests.manipulator.bodies import (
     bent,
     chain_of,
     document_of,
-    in_bullet,
     manipulator,
 )
+from tests.builders.urdf_in_bullet import in_bullet
 
 SOMO = json.loads(Path(__file__).with_name("somo_kinematics.json").read_text("utf-8"))
 NAMES = ["ihm_finger", "stadium_three_axes", "planar_varying_stiffness"]

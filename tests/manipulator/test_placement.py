@@ -11,7 +11,7 @@ import pytest
 from somo_cli.manipulator import compile as compiler
 from somo_cli.manipulator.joint_placement import gauss, layout
 from somo_cli.manipulator.resegmentation import cut
-from tests.manipulator.bodies import (
+from tests.builders.definitions import (
     BOX,
     SPHERE,
     Data,

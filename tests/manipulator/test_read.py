@@ -14,7 +14,7 @@ from somo_cli.manipulator.definition import (
 from somo_cli.manipulator.dimensions import Scale
 from somo_cli.manipulator.read import link_from, read, world_scale
 from somo_cli.manipulator.solids import Box, Cylinder, Solid, Sphere
-from tests.manipulator.bodies import (
+from tests.builders.definitions import (
     BOX,
     CAPSULE,
     CYLINDER,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from somo_cli.manipulator.resegmentation import NotUniform, cut, per_joint
-from tests.manipulator.bodies import BOX, SPHERE, X, Y, actuator, compiled, hinge, manipulator
+from tests.builders.definitions import BOX, SPHERE, X, Y, actuator, compiled, hinge, manipulator
 
 TWO = manipulator(actuator(10, X, Y), actuator(4, hinge(1, 0, 0, joint_neutral_position=0.1)))
 

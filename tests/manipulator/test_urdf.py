@@ -12,7 +12,7 @@ from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.definition import MAXIMUM_JOINTS
 from somo_cli.manipulator.dimensions import Scale, scaled
 from somo_cli.manipulator.urdf import number, render, render_for_engine
-from tests.manipulator.bodies import (
+from tests.builders.definitions import (
     BOX,
     CAPSULE,
     CYLINDER,
@@ -25,9 +25,9 @@ from tests.manipulator.bodies import (
     chain_of,
     compiled,
     hinge,
-    in_bullet,
     manipulator,
 )
+from tests.builders.urdf_in_bullet import in_bullet
 
 SMALL = """\
 <?xml version="1.0" encoding="utf-8"?>

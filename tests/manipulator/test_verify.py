@@ -12,7 +12,7 @@ from somo_cli.manipulator.dimensions import Scale, scaled
 from somo_cli.manipulator.urdf import render
 from somo_cli.manipulator.urdf_readback import require_equal
 from somo_cli.problems import EngineRefused
-from tests.manipulator.bodies import (
+from tests.builders.definitions import (
     BOX,
     EVERYTHING,
     SPHERE,

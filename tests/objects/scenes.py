@@ -11,7 +11,7 @@ from somo_cli.loading import load, scene_of
 from somo_cli.problems import InvalidFile, Problem
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import rows_of
+from tests.builders.runs import rows_of
 
 INPUTS = Path(__file__).parent / "inputs"
 

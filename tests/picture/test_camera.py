@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from somo_cli.picture.camera import HALF_ANGLE, MARGIN, VIEWS, View, framing, radius_of
-from tests.picture.projection import project
+from tests.builders.projection import project
 
 SIZES = [(960, 720), (300, 300), (200, 500)]
 

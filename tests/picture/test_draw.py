@@ -17,8 +17,9 @@ from somo_cli.picture.recorded_motion import RecordedMotion, scene_to_draw
 from somo_cli.picture.tiny_renderer import TinyRenderer
 from somo_cli.scene import columns
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import rows_of, scene_from_file, scene_from_text
-from tests.picture.projection import project
+from tests.builders.projection import project
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_file, scene_from_text
 
 pytest.importorskip("pybullet")
 

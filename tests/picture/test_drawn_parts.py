@@ -11,7 +11,8 @@ from somo_cli.manipulator.solids import Box
 from somo_cli.picture.drawn_parts import framed_points, parts_of, poses_at, start_configuration
 from somo_cli.scene import columns
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import rows_of, scene_from_file
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_file
 
 SCENES = ["hand_scene.yaml", "tumble_scene.yaml", "starfish_scene.yaml"]
 

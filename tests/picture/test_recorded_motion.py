@@ -13,7 +13,8 @@ from somo_cli.picture.drawn_parts import Configuration, parts_of, poses_at, star
 from somo_cli.picture.recorded_motion import RecordedMotion, scene_to_draw
 from somo_cli.scene import columns
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import rows_of, scene_from_file
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_file
 
 POSE = ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")
 

@@ -15,7 +15,7 @@ from somo_cli.analysis.errors import ErrorSummary
 from somo_cli.analysis.reference import Reference
 from somo_cli.analysis.study_model import Discretization, Study, StudyCase, StudySettings
 from somo_cli.picture.work_precision import draw
-from tests.loading import scene_from_file
+from tests.builders.scenes import scene_from_file
 
 
 def study(segments: tuple[int | None, ...] = (None,), model: ErrorSummary | None = None) -> Study:

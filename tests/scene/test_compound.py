@@ -13,24 +13,8 @@ from somo_cli.manipulator.chain import Link
 from somo_cli.manipulator.round_solids import Capsule, RoundedBox
 from somo_cli.manipulator.solids import Inertial, Sphere
 from somo_cli.scene import compound, object_shapes
-from tests.manipulator.bodies import Data
-from tests.scene.test_rigid_object import run, scene_of
-
-G = 9.81  # m/s²
-PILL: Data = {"name": "pill", "shape_type": "capsule", "dimensions": [0.06, 0.01], "density": 1000}
-CUBE: Data = {
-    "name": "cube",
-    "shape_type": "box",
-    "dimensions": [0.06, 0.06, 0.06],
-    "edge_radius": 0.005,
-    "mass": 0.1,
-}
-SCALES = pytest.mark.parametrize("scale", [1, 20])
-
-
-def slop(scale: float) -> float:
-    """How deep the engine lets everything sink in: 10 µm in engine units, and 1e-5 of that."""
-    return 1.00001e-5 / scale
+from tests.builders.rigid_objects import PILL, SCALES, G, run, scene_of, slop
+from tests.builders.rigid_objects import ROUNDED_CUBE as CUBE
 
 
 @SCALES

@@ -10,8 +10,8 @@ from somo_cli.manipulator.dimensions import Scale, scaled
 from somo_cli.scene import contact_surface
 from somo_cli.scene.contact_surface import ContactCompliance, ContactSurface, Ground
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import scene_from_text
-from tests.manipulator.bodies import X, actuator, chain_of, manipulator
+from tests.builders.definitions import X, actuator, chain_of, manipulator
+from tests.builders.scenes import scene_from_text
 
 EVERYTHING = {
     "friction": 0.4,

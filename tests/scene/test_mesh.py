@@ -2,36 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 import pytest
 
-from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.solids import Box
 from somo_cli.scene import mesh
 from somo_cli.scene.mesh import MeshError, mesh_properties
-
-Faces = Sequence[Sequence[int]]
-# a box of six quads, seen from outside
-_QUADS = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
-
-
-def corners(size: Vector, centre: Vector) -> np.ndarray:
-    signs = [(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]
-    return np.array(signs) * np.array(size) / 2 + np.array(centre)
-
-
-def obj(vertices: np.ndarray, faces: Faces = _QUADS) -> str:
-    lines = ["v " + " ".join(repr(float(x)) for x in row) for row in vertices]
-    return "\n".join([*lines, *("f " + " ".join(str(1 + i) for i in f) for f in faces)])
-
-
-def binary_stl(vertices: np.ndarray) -> bytes:
-    triangles = [(a, b, c) for a, b, c, _ in _QUADS] + [(a, c, d) for a, _, c, d in _QUADS]
-    record = np.zeros(12, np.dtype([("n", "<3f4"), ("p", "<9f4"), ("a", "<u2")]))
-    record["p"] = vertices[np.array(triangles)].reshape(12, 9)
-    return b"\xe9" * 80 + np.uint32(12).tobytes() + record.tobytes()
+from tests.builders.meshes import BOX, BOX_FACES, CENTRE, SIZE, Faces, binary_stl, corners, obj
 
 
 def text_of(content: bytes) -> str:
@@ -39,16 +16,12 @@ def text_of(content: bytes) -> str:
     return content.decode("utf-8", "surrogateescape")
 
 
-SIZE, CENTRE = (0.06, 0.04, 0.02), (0.1, 0.2, 0.3)
-BOX = corners(SIZE, CENTRE)
-
-
 @pytest.mark.parametrize(
     ("text", "source", "tolerance"),
     [
         (obj(BOX), "a.obj", 1e-9),
-        (obj(BOX, [face[::-1] for face in _QUADS]), "inside_out.OBJ", 1e-9),
-        (obj(BOX, [_QUADS[0][::-1], *_QUADS[1:]]), "one_face_turned.obj", 1e-9),
+        (obj(BOX, [face[::-1] for face in BOX_FACES]), "inside_out.OBJ", 1e-9),
+        (obj(BOX, [BOX_FACES[0][::-1], *BOX_FACES[1:]]), "one_face_turned.obj", 1e-9),
         (text_of(binary_stl(BOX)), "a.stl", 1e-5),
     ],
 )
@@ -74,7 +47,7 @@ def test_a_box_is_the_box_that_it_is(text: str, source: str, tolerance: float) -
 def test_materials_normals_and_textures_make_no_difference() -> None:
     lines = ["mtllib nowhere.mtl", "o part", *obj(BOX, ()).splitlines()]
     lines += ["vt 0 0", "vt 1 1", "vn 0 0 1", "vn 1 0 0"]
-    for number, face in enumerate(_QUADS):
+    for number, face in enumerate(BOX_FACES):
         lines += [f"usemtl colour_{number % 3}", f"s {number}", f"g group_{number}"]
         lines += ["f " + " ".join(f"{1 + i}/{1 + i % 2}/{1 + number % 2}" for i in face)]
     found, plain = mesh_properties("\n".join(lines), "a.obj"), mesh_properties(obj(BOX), "a.obj")
@@ -98,7 +71,7 @@ def test_a_mesh_is_scaled_along_its_axes() -> None:
 
 def test_the_solid_is_that_of_the_faces_not_of_the_hull() -> None:
     # a box with a dent: the middle of its upper face is pushed down to its centre
-    quads: Faces = [face for face in _QUADS if face != (4, 5, 7, 6)]
+    quads: Faces = [face for face in BOX_FACES if face != (4, 5, 7, 6)]
     dent: Faces = [(4, 5, 8), (5, 7, 8), (7, 6, 8), (6, 4, 8)]
     vertices = np.vstack([corners((2.0, 2.0, 2.0), (0.0, 0.0, 0.0)), [[0.0, 0.0, 0.0]]])
     found = mesh_properties(obj(vertices, [*quads, *dent]), "dent.obj")
@@ -111,7 +84,7 @@ def test_the_solid_is_that_of_the_faces_not_of_the_hull() -> None:
 
 
 def test_an_open_mesh_has_a_hull_and_no_solid() -> None:
-    found = mesh_properties(obj(BOX, _QUADS[1:]), "a.obj")
+    found = mesh_properties(obj(BOX, BOX_FACES[1:]), "a.obj")
     assert len(found.hull.vertices) == 8
     assert found.mesh_inertial is None
     assert found.fault == "it is open: some edges belong to one face only"

@@ -20,8 +20,8 @@ from somo_cli.scene.contact_surface import (
 )
 from somo_cli.scene.model import ExternalLoad, Scene
 from somo_cli.scene.signals import Wave
-from tests.loading import DEFINITIONS, scene_from_text
-from tests.manipulator.bodies import X, Y, actuator, manipulator
+from tests.builders.definitions import X, Y, actuator, manipulator
+from tests.builders.scenes import DEFINITIONS, scene_from_text
 
 BODY = manipulator(actuator(2, X, Y))
 

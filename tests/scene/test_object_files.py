@@ -12,9 +12,9 @@ from somo_cli.document.parse import Document
 from somo_cli.loading import check, load, scene_of
 from somo_cli.packages import read_packages
 from somo_cli.problems import InvalidFile
-from tests.conftest import Somo
-from tests.manipulator.bodies import X, actuator, manipulator
-from tests.scene.test_mesh import BOX, binary_stl, obj
+from tests.builders.command import Somo
+from tests.builders.definitions import X, actuator, manipulator
+from tests.builders.meshes import BOX, binary_stl, obj
 
 URDF = """<robot name="r"><link name="a">
   <inertial><mass value="1"/><inertia ixx="2e-4" iyy="3e-4" izz="4e-4"/></inertial>

@@ -12,7 +12,7 @@ from somo_cli.scene.contact_surface import read_ground
 from somo_cli.scene.extents import max_height, min_height
 from somo_cli.scene.placement import with_heights
 from somo_cli.scene.rigid_object import RigidObject, read_object
-from tests.manipulator.bodies import Data
+from tests.builders.definitions import Data
 
 BOX: Data = {"name": "box", "shape_type": "box", "dimensions": [0.1, 0.2, 0.3], "mass": 1}
 BALL: Data = {"name": "ball", "shape_type": "sphere", "dimensions": [0.05], "mass": 1}

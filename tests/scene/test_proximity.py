@@ -10,8 +10,8 @@ import pytest
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.scene.proximity import bounding_box, can_overlap_at_start
 from somo_cli.scene.rigid_object import read_object
-from tests.loading import scene_from_text
-from tests.manipulator.bodies import Data, X, actuator, manipulator
+from tests.builders.definitions import Data, X, actuator, manipulator
+from tests.builders.scenes import scene_from_text
 
 BODY = manipulator(actuator(4, X))
 BALL: Data = {"name": "ball", "shape_type": "sphere", "dimensions": [0.1], "mass": 1}

@@ -14,8 +14,9 @@ from somo_cli.scene.extents import max_height
 from somo_cli.scene.reach import can_touch, reach
 from somo_cli.simulation import plan_report
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import rows_of, scene_from_text
-from tests.manipulator.bodies import EVERYTHING, Data, X, Y, actuator, manipulator
+from tests.builders.definitions import EVERYTHING, Data, X, Y, actuator, manipulator
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_text
 
 BODY = manipulator(actuator(4, X, Y))
 BALL: Data = {"name": "ball", "shape_type": "sphere", "dimensions": [0.1], "mass": 1}

@@ -4,50 +4,16 @@ from __future__ import annotations
 
 import json
 import math
-from typing import Any
 
 import numpy as np
 import pytest
 
-from somo_cli.document.parse import parse
 from somo_cli.scene import columns
-from somo_cli.scene.checks import scene as scene_checks
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import rows_of, scene_from_file, scene_from_text
-from tests.manipulator.bodies import Data, X, actuator, manipulator
-
-G = 9.81  # m/s²
-CUBE: Data = {
-    "name": "cube",
-    "shape_type": "box",
-    "dimensions": [0.04, 0.04, 0.04],
-    "mass": 0.01,
-    "position": [0, 0, 0.02],
-    "friction": 0.5,
-}
-BALL: Data = {"name": "ball", "shape_type": "sphere", "dimensions": [0.02], "mass": 0.05}
-PARTS = ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw", "fx_n", "fy_n", "fz_n", "normal_n")
-
-
-def scene_of(*objects: Data, **of_scene: Any) -> Data:
-    """Return a scene of objects, and one manipulator that is far away."""
-    one = {"definition": manipulator(actuator(1, X), world_scale=20), "position": [9, 9, 9]}
-    record = {"every": 10, "columns": [], "objects": ["pose", "contact_force"]}
-    return {"manipulators": [one], "objects": list(objects), "record": record, **of_scene}
-
-
-def run(data: Data, time: float) -> dict[str, dict[str, np.ndarray]]:
-    """Return the columns of every object by its name, and the times as `t` of each."""
-    pytest.importorskip("pybullet")
-    scene = scene_from_text(json.dumps(data))
-    rows = np.array(rows_of(scene, round(time / scene.time_step)))
-    names = columns.header(make_plan(scene).recorded)
-    found: dict[str, dict[str, np.ndarray]] = {}
-    for name, values in zip(names[1:], rows.T[1:], strict=True):
-        owner, _, part = name.split(".")
-        found.setdefault(owner, {"t": rows[:, 0]})[part] = values
-    assert all(tuple(one)[1:] == PARTS for one in found.values())
-    return found
+from tests.builders.definitions import Data
+from tests.builders.rigid_objects import BALL, CUBE, G, run, scene_of, told
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_file, scene_from_text
 
 
 @pytest.mark.parametrize("step", [5e-4, 4e-3])
@@ -135,11 +101,6 @@ def test_the_world_scale_is_never_seen() -> None:
         data = scene_of({**CUBE, "linear_velocity": [0.5, 0, 0]}, ground={}, world_scale=scale)
         ends.append(run(data, 0.3)["cube"]["x_m"][-1])
     assert ends[0] == pytest.approx(ends[1], rel=2e-3)
-
-
-def told(*objects: Data, **of_scene: Any) -> list[str]:
-    data = scene_of(*objects, **of_scene)
-    return [one.message for one in scene_checks.scene_problems(parse(json.dumps(data), "a.json"))]
 
 
 def test_what_is_wrong_with_objects() -> None:

@@ -16,7 +16,7 @@ from somo_cli.problems import has_errors
 from somo_cli.scene.checks import scene as scene_checks
 from somo_cli.scene.signals import piecewise_signal
 from somo_cli.scene.sorotraj import main_part_knots, read_trajectory
-from tests.manipulator.bodies import X, actuator, manipulator
+from tests.builders.definitions import X, actuator, manipulator
 
 Data = dict[str, Any]
 PARTS: Data = {

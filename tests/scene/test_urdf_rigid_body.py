@@ -11,9 +11,9 @@ from somo_cli.manipulator.round_solids import Capsule
 from somo_cli.manipulator.solids import Box, Cylinder, Sphere
 from somo_cli.scene import urdf_rigid_body, urdf_xml
 from somo_cli.scene.mesh import MeshFile
-from tests.manipulator.bodies import Data
-from tests.scene.test_mesh import BOX, obj
-from tests.scene.test_rigid_object import told as scene_told
+from tests.builders.definitions import Data
+from tests.builders.meshes import BOX, obj
+from tests.builders.rigid_objects import told as scene_told
 
 INERTIAL = (
     '<inertial><mass value="2"/>'

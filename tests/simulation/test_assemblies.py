@@ -20,9 +20,10 @@ from somo_cli.simulation.dynamics.external_loads import generalised_load_force, 
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.integrator import energy_bound, refresh_policy
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import rows_of, scene_from_text
-from tests.simulation.mujoco_reference import model_of
-from tests.simulation.test_physics import momentum
+from tests.builders.momentum import momentum
+from tests.builders.mujoco_reference import model_of
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_text
 
 FINGER = "definition: finger.yaml"
 LEFT = ((-0.04, 0.01, 0.02), (0.2, -0.6, 0.3))

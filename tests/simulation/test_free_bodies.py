@@ -15,12 +15,13 @@ from somo_cli.simulation.integrator.object_rotation import ObjectRotations, Rota
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan_report import explain
 from somo_cli.simulation.run import run
+from tests.builders.definitions import actuator, hinge, manipulator
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_text
 from tests.free_bodies.bodies import Spinning, simulated_motion
 from tests.free_bodies.cases import BALL, BODIES, BOX, PENCIL, PLATE
 from tests.free_bodies.mujoco_body import mujoco_rotation
 from tests.free_bodies.truth import jacobi_rates, orientation, symmetric_top
-from tests.loading import rows_of, scene_from_text
-from tests.manipulator.bodies import actuator, hinge, manipulator
 
 FAR = {"definition": manipulator(actuator(1, hinge(1, 0, 0))), "position": [40, 0, 1]}
 CYLINDER = {"shape_type": "cylinder", "dimensions": [0.15, 0.004], "mass": 0.01}

@@ -13,8 +13,9 @@ from somo_cli.document.parse import parse
 from somo_cli.scene.checks import scene as scene_checks
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import rows_of, scene_from_file, scene_from_text
-from tests.manipulator.bodies import Data
+from tests.builders.definitions import Data
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_file, scene_from_text
 
 pytest.importorskip("pybullet")
 

@@ -17,9 +17,11 @@ from somo_cli.simulation import run
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.integrator.energy_bound import BodyEnergy
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import rows_of, scene_from_file, scene_from_text
-from tests.simulation.mujoco_reference import model_of, trajectory_under_loads
-from tests.simulation.test_physics import LIGHT_BASE_AND_DAMPED, centre_of_mass
+from tests.builders.fingers import LIGHT_BASE_AND_DAMPED
+from tests.builders.momentum import centre_of_mass
+from tests.builders.mujoco_reference import model_of, trajectory_under_loads
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_file, scene_from_text
 
 # Fixed in the world, turning with a link, at a point beside it, at once and over time.
 LOADS: list[dict[str, Any]] = [

@@ -14,11 +14,11 @@ import scipy.integrate
 from somo_cli.manipulator import geometry
 from somo_cli.scene import columns, object_shapes
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import rows_of, scene_from_file, scene_from_text
-from tests.manipulator.bodies import Data
-from tests.scene.test_compound import SCALES, G, slop
-from tests.scene.test_mesh import corners, obj
-from tests.scene.test_rigid_object import run, scene_of
+from tests.builders.definitions import Data
+from tests.builders.meshes import corners, obj
+from tests.builders.rigid_objects import SCALES, G, run, scene_of, slop
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_file, scene_from_text
 
 SIZE = (0.06, 0.06, 0.06)
 

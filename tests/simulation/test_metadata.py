@@ -13,7 +13,7 @@ from somo_cli.simulation.metadata import metadata
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan_report import plain_data
 from somo_cli.simulation.run import RunSummary
-from tests.loading import scene_from_file
+from tests.builders.scenes import scene_from_file
 
 KEYS = [
     "somo", "engine", "numpy", "python", "platform", "inputs", "overrides", "integrator",

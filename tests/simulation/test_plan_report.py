@@ -13,8 +13,9 @@ from somo_cli.manipulator import urdf
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.plan_report import Decision, explain, plain_data
-from tests.loading import DEFINITIONS, rows_of, scene_from_file, scene_from_text
-from tests.manipulator.bodies import Data, X, Y, actuator, manipulator
+from tests.builders.definitions import Data, X, Y, actuator, manipulator
+from tests.builders.runs import rows_of
+from tests.builders.scenes import DEFINITIONS, scene_from_file, scene_from_text
 
 ALONE = {"manipulators": [{"definition": manipulator(actuator(2, X))}]}
 CUBE = {"name": "cube", "shape_type": "box", "dimensions": [0.1, 0.1, 0.1], "mass": 1}

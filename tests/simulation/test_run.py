@@ -13,38 +13,17 @@ import numpy as np
 import pytest
 
 from somo_cli.arrays import Array
-from somo_cli.problems import EngineRefused, SimulationDiverged
+from somo_cli.problems import EngineRefused
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.run import RunSummary, run
-from tests.loading import rows_of, scene_from_file, scene_from_text
-from tests.simulation.fake_world import FakeWorld, plan_of_hinges
+from tests.builders.fake_run import Ended
+from tests.builders.fake_world import FakeWorld, plan_of_hinges
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_file, scene_from_text
 
 INTEGRATORS = ("implicit", "euler", "explicit")
 STEPS_AT_START = {"implicit": 2, "euler": 1, "explicit": 0}  # steps that are undone before the run
-
-
-class Ended:
-    """One run, its rows and what it reported, whether it came to its end or not."""
-
-    def __init__(self, plan: Plan, world: FakeWorld, steps: int) -> None:
-        self.rows: list[list[float]] = []
-        self.reported: list[int] = []
-        self.summary: RunSummary | None = None
-        self.error: SimulationDiverged | None = None
-        ticks = iter([10.0, 12.5])
-
-        def write(block: Array) -> None:
-            self.rows.extend(block.tolist())
-
-        try:
-            self.summary = run(plan, world, write, steps, lambda: next(ticks), self.reported.append)
-        except SimulationDiverged as error:
-            self.error = error
-
-    @property
-    def times(self) -> list[float]:
-        return [row[0] for row in self.rows]
 
 
 def plan_of(columns: Iterable[str] = ("joint_angles",), every: int = 1, **more: Any) -> Plan:

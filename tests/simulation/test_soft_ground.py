@@ -7,7 +7,7 @@ import json
 import pytest
 
 from somo_cli.loading import check, load_text, scene_of
-from tests.loading import DEFINITIONS, scene_from_text
+from tests.builders.scenes import DEFINITIONS, scene_from_text
 from tests.sliding.soft_ground import won
 from tests.truth.surfaces import course
 

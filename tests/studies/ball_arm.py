@@ -19,7 +19,7 @@ from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.build import make_plan
 from tests.bench.classic import classic_loop
 from tests.bench.hand import timed_engine
-from tests.loading import scene_from_file
+from tests.builders.scenes import scene_from_file
 from tests.studies.running import Record, Setting, recorded_all
 
 SCENE = "ball_arm_scene.yaml"

@@ -17,7 +17,7 @@ from scipy.optimize import root
 from somo_cli.arrays import Array
 from somo_cli.calibration.moment_arms import of_definition
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
-from tests.loading import scene_from_file
+from tests.builders.scenes import scene_from_file
 from tests.studies import drawing
 from tests.studies.running import Setting, recorded
 

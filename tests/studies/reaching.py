@@ -14,7 +14,7 @@ from somo_cli.arrays import Array
 from somo_cli.loading import load
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.compile import compile_definition
-from tests.loading import DEFINITIONS
+from tests.builders.scenes import DEFINITIONS
 from tests.studies import drawing
 from tests.studies.running import Record, Setting, recorded_all
 

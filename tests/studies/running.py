@@ -15,7 +15,8 @@ from somo_cli.arrays import Array
 from somo_cli.scene import columns
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.run import RunSummary
-from tests.loading import scene_from_file, simulated
+from tests.builders.runs import simulated
+from tests.builders.scenes import scene_from_file
 
 
 @dataclass(frozen=True, slots=True)

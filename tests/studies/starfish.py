@@ -13,7 +13,7 @@ from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.compile import compile_definition
 from somo_cli.manipulator.kinematics import Pose, link_poses
-from tests.loading import DEFINITIONS
+from tests.builders.scenes import DEFINITIONS
 from tests.studies import drawing
 from tests.studies.running import Record, Setting, recorded_all
 

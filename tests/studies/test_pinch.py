@@ -10,7 +10,7 @@ import pytest
 from somo_cli.manipulator.dimensions import Scale
 from somo_cli.manipulator.solids import Box
 from somo_cli.simulation.run import RunSummary
-from tests.loading import scene_from_file
+from tests.builders.scenes import scene_from_file
 from tests.studies import pinch
 from tests.studies.pinch import Grasp, grasp, map_table, setting, spread
 from tests.studies.running import Record, recorded

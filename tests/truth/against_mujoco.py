@@ -30,7 +30,7 @@ from somo_cli.scene.model import Scene
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.build import make_plan
 from tests.bench.accuracy import MOTIONS, scene_of, truth_of
-from tests.simulation.mujoco_reference import model_of
+from tests.builders.mujoco_reference import model_of
 
 TENTH = 0.1  # s between two looks
 TARGETS = (1e-3, 3e-4, 1e-4, 3e-5, 1e-5)  # rad

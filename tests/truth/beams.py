@@ -17,7 +17,8 @@ from somo_cli.scene.model import Scene
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.dynamics.external_loads import generalised_load_force, load_stiffness
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import rows_of, scene_from_file
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_file
 from tests.truth.table import Row, ordered
 
 JOINTS = (5, 10, 20, 40)

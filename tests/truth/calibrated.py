@@ -21,7 +21,8 @@ from somo_cli.calibration.blocked_force import blocked_equilibrium
 from somo_cli.calibration.moment_arms import MomentArms
 from somo_cli.manipulator.definition import Placement
 from somo_cli.scene.model import Scene
-from tests.loading import rows_of, scene_from_file, scene_from_text
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_file, scene_from_text
 from tests.truth.table import Row
 
 LENGTH, MASS = 0.1, 0.03  # m, kg

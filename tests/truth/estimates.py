@@ -13,8 +13,8 @@ from somo_cli.scene.model import Integrator, Scene
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.build import make_plan
 from tests.bench.accuracy import MOTIONS, scene_of, truth_of
-from tests.loading import in_turn, rows_of
-from tests.simulation import test_physics as physics
+from tests.builders import pendulum
+from tests.builders.runs import in_turn, rows_of
 from tests.truth.table import Row
 
 STEPS = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4)
@@ -36,9 +36,9 @@ def rows() -> Iterator[Row]:
 
 def of_hinge(integrator: Integrator, step: float) -> Row:
     """Return the ratio for the damped hinge, at every hundredth of a second."""
-    scene = dataclasses.replace(physics.hinge(integrator, step), every=round(0.01 / step))
+    scene = dataclasses.replace(pendulum.hinge(integrator, step), every=round(0.01 / step))
     found = np.array(rows_of(scene, round(1 / step)))
-    exact = 0.3 + closed_forms.oscillator(found[:, 0], physics.INERTIA, 0.5, 50.0, (-0.3, 0.0))
+    exact = 0.3 + closed_forms.oscillator(found[:, 0], pendulum.INERTIA, 0.5, 50.0, (-0.3, 0.0))
     true = float(np.abs(found[:, 1] - exact).max())
     return _row(f"hinge, {integrator}", step, told(scene)[0], true)
 

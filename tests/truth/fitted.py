@@ -16,8 +16,9 @@ from somo_cli.scene import columns
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import rows_of, scene_from_text
-from tests.manipulator.bodies import Data, actuator, hinge, manipulator
+from tests.builders.definitions import Data, actuator, hinge, manipulator
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_text
 from tests.truth.table import Row
 
 TIP = ("tip.x_m", "tip.y_m", "tip.z_m")

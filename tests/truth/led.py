@@ -12,9 +12,10 @@ from somo_cli.manipulator import geometry
 from somo_cli.scene import columns
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import rows_of, scene_from_file, scene_from_text
-from tests.manipulator.bodies import X, actuator, manipulator
-from tests.simulation.mujoco_reference import model_of, prescribed_trajectory
+from tests.builders.definitions import X, actuator, manipulator
+from tests.builders.mujoco_reference import model_of, prescribed_trajectory
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_file, scene_from_text
 from tests.truth.table import Row, ordered
 
 STEPS = (4e-3, 2e-3, 1e-3, 5e-4)  # s

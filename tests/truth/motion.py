@@ -17,8 +17,9 @@ from somo_cli.scene.model import Integrator, Scene
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.dynamics.modal import natural_frequencies
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import rows_of, scene_from_file, scene_from_text
-from tests.simulation import test_physics as physics
+from tests.builders import fingers, momentum, pendulum, scenes
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_file, scene_from_text
 from tests.truth.table import Row, ordered
 
 CUT = "manipulators[0].definition.actuator_definitions[0]"
@@ -129,11 +130,13 @@ def _of_transient(scene: Scene, integrator: Integrator, exact: np.ndarray) -> li
 
 def single_joints() -> Iterator[Row]:
     """Yield a pendulum's period over its swing, its motion over steps, and a damped hinge."""
-    text = physics.HINGE.replace("spring_stiffness: 50, spring_damping: 0.5", "spring_stiffness: 0")
+    text = pendulum.HINGE.replace(
+        "spring_stiffness: 50, spring_damping: 0.5", "spring_stiffness: 0"
+    )
     scene = scene_from_text(
         text.replace("joint_neutral_position: 0.3", "joint_neutral_position: 0")
     )
-    frequency = math.sqrt(9.81 * 0.5 / physics.INERTIA)
+    frequency = math.sqrt(9.81 * 0.5 / pendulum.INERTIA)
     for swing in (0.1, 1.0, 2.0, 3.0):
         exact = 2 / math.pi * float(ellipk(math.sin(swing / 2) ** 2))
         found = _period(scene, swing, 1e-3) * frequency / (2 * math.pi)
@@ -142,9 +145,9 @@ def single_joints() -> Iterator[Row]:
     for integrator in ("implicit", "euler", "explicit"):
         errors = []
         for step in STEPS:
-            rows = np.array(rows_of(physics.hinge(integrator, step), round(1 / step)))
+            rows = np.array(rows_of(pendulum.hinge(integrator, step), round(1 / step)))
             exact_angles = 0.3 + closed_forms.oscillator(
-                rows[:, 0], physics.INERTIA, 0.5, 50.0, (-0.3, 0.0)
+                rows[:, 0], pendulum.INERTIA, 0.5, 50.0, (-0.3, 0.0)
             )
             off = float(np.abs(rows[:, 1] - exact_angles).max())
             last = float(rows[-1, 1]), float(exact_angles[-1])
@@ -180,7 +183,7 @@ def conserved() -> Iterator[Row]:
     )
     steps = (1e-3, 5e-4, 2.5e-4)
     for number, name in enumerate(("linear momentum", "angular momentum")):
-        lost = [physics.loss_of_momentum(step, "implicit")[number] for step in steps]
+        lost = [momentum.loss_of_momentum(step, "implicit")[number] for step in steps]
         rows = [
             Row(
                 "momentum of a free chain, share lost in half a second",
@@ -205,8 +208,8 @@ def energy_drift(step: float, time: float) -> tuple[float, float]:
     scene = scene_from_text(
         "manipulators: [{definition: finger.yaml}]",
         "record={columns: [energy]}",
-        f"{physics.JOINTS}[0].spring_damping=0",
-        f"{physics.JOINTS}[1].spring_damping=0",
+        f"{scenes.JOINTS}[0].spring_damping=0",
+        f"{scenes.JOINTS}[1].spring_damping=0",
     )
     scene = dataclasses.replace(scene, time_step=step, every=round(0.01 / step))
     energy = np.array(rows_of(scene, round(time / step)))[:, 1:]
@@ -217,12 +220,12 @@ def energy_drift(step: float, time: float) -> tuple[float, float]:
 def fall(step: float) -> float:
     """Return how far the centre of mass of a thrown finger is from its parabola after 0.2 s [m]."""
     scene = dataclasses.replace(
-        physics.thrown(step), every=round(0.2 / step), columns=("joint_angles", "base_pose")
+        fingers.thrown(step), every=round(0.2 / step), columns=("joint_angles", "base_pose")
     )
     plan = make_plan(scene)
     rows = np.array(rows_of(scene, round(0.2 / step)))
     before, after = (_centre(plan.bodies[0].chain, row[1:], plan.scale.length) for row in rows)
-    velocity = physics.velocity_of_centre(plan)
+    velocity = momentum.velocity_of_centre(plan)
     expected = before + 0.2 * velocity + 0.5 * 0.2**2 * np.array(scene.gravity)
     return float(np.linalg.norm(after - expected))
 

@@ -13,7 +13,8 @@ import numpy as np
 from somo_cli.scene import columns
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import rows_of, scene_from_file, scene_from_text
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_file, scene_from_text
 from tests.truth.table import Row, ordered
 from tests.truth.touching import STEPS, G, last_row, with_cubes
 

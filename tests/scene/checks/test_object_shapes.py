@@ -10,10 +10,9 @@ from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.scene import object_shapes
 from somo_cli.scene.extents import min_height
-from tests.manipulator.bodies import Data
-from tests.scene.test_compound import CUBE, PILL
-from tests.scene.test_mesh import corners, obj
-from tests.scene.test_rigid_object import told
+from tests.builders.definitions import Data
+from tests.builders.meshes import corners, obj
+from tests.builders.rigid_objects import CUBE, PILL, told
 
 
 def test_nothing_is_wrong_with_these() -> None:

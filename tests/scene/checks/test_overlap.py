@@ -11,8 +11,8 @@ import pytest
 
 from somo_cli import loading
 from somo_cli.problems import InvalidFile
-from tests.conftest import Somo
-from tests.manipulator.bodies import BOX, Data, X, actuator, manipulator
+from tests.builders.command import Somo
+from tests.builders.definitions import BOX, Data, X, actuator, manipulator
 
 pytest.importorskip("pybullet")
 

@@ -9,7 +9,7 @@ import pytest
 
 from somo_cli.document.parse import parse
 from somo_cli.scene.checks import scene as scene_checks
-from tests.scene.test_rigid_object import CUBE, scene_of
+from tests.builders.rigid_objects import CUBE, scene_of
 
 
 def told(record: dict[str, Any], **of_scene: Any) -> list[tuple[str, str | None]]:

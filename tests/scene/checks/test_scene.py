@@ -16,7 +16,7 @@ from somo_cli.manipulator import compile as compiler
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.definition import Definition
 from somo_cli.scene.checks import scene as scene_checks
-from tests.manipulator.bodies import X, Y, actuator, hinge, manipulator
+from tests.builders.definitions import X, Y, actuator, hinge, manipulator
 
 BODY = manipulator(actuator(2, X, Y), actuator(1, X))
 Told = tuple[str, str]  # the text at the place, the message

@@ -9,7 +9,7 @@ import pytest
 
 from somo_cli.document.parse import parse
 from somo_cli.scene.checks import scene as scene_checks
-from tests.scene.test_rigid_object import BALL, CUBE, scene_of
+from tests.builders.rigid_objects import BALL, CUBE, scene_of
 
 BOX = {"z": [0, 1]}
 

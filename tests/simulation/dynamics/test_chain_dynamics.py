@@ -12,7 +12,7 @@ from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics, ChainPose
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
-from tests.loading import scene_from_file
+from tests.builders.scenes import scene_from_file
 
 SCENES = ("scene.yaml", "three_axis_finger_scene.yaml", "arm_scene.yaml")
 BASE = Pose.of((0.1, 0.2, 0.3), (0.3, -0.4, 1.2))

@@ -16,8 +16,9 @@ from somo_cli.scene.model import ExternalLoad, Frame, Scene
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.dynamics.external_loads import ExternalLoads
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import rows_of, scene_from_file
-from tests.simulation.test_physics import INERTIA, exact_angle, hinge
+from tests.builders.pendulum import INERTIA, exact_angle, hinge
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_file
 
 BASE = Pose.of((0.1, 0.2, 0.3), (0.3, -0.4, 1.2))
 ANGLES = np.linspace(-0.3, 0.4, 10)

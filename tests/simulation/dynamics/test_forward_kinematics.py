@@ -17,8 +17,8 @@ from somo_cli.simulation.dynamics.forward_kinematics import (
     quaternions,
 )
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import scene_from_file, scene_from_text
-from tests.manipulator.bodies import EVERYTHING
+from tests.builders.definitions import EVERYTHING
+from tests.builders.scenes import scene_from_file, scene_from_text
 
 INSTANTS = 37
 

@@ -9,7 +9,7 @@ import pytest
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain
 from somo_cli.simulation.engine.readback import EngineJoint, EngineLink, mismatches
-from tests.manipulator.bodies import EVERYTHING, chain_of
+from tests.builders.definitions import EVERYTHING, chain_of
 
 
 @pytest.fixture(scope="module")

@@ -14,8 +14,7 @@ from somo_cli.simulation.integrator.body_stepper import BodyStepper
 from somo_cli.simulation.integrator.half_step_start import begin
 from somo_cli.simulation.integrator.law_stepper import LawStepper
 from somo_cli.simulation.plan.model import Plan
-from tests.loading import rows_of, scene_from_file
-from tests.simulation.fake_world import (
+from tests.builders.fake_world import (
     DAMPING,
     INERTIA,
     NEUTRAL,
@@ -23,6 +22,8 @@ from tests.simulation.fake_world import (
     FakeWorld,
     plan_of_hinges,
 )
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_file
 
 STEP = 0.01  # s
 START = {"initial_angles": 0.3, "initial_rates": 2.0}

@@ -2,21 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 import pytest
 
 from somo_cli.simulation.integrator.energy_bound import BodyEnergy
 from somo_cli.simulation.plan.joint_springs import JointSprings
-from tests.simulation.fake_world import INERTIA, NEUTRAL, STIFFNESS, plan_of_hinges
-
-
-def of_hinge(gravity: float = 0.0, **start: object) -> BodyEnergy:
-    body = plan_of_hinges(1).bodies[0]
-    body = dataclasses.replace(body, start=dataclasses.replace(body.start, **start))  # type: ignore[arg-type]
-    springs = JointSprings(np.array([STIFFNESS]), np.zeros(1), np.array([NEUTRAL]))
-    return BodyEnergy(body, springs, (0.0, 0.0, -gravity))
+from tests.builders.fake_world import INERTIA, NEUTRAL, STIFFNESS, of_hinge, plan_of_hinges
 
 
 def test_the_energy_is_that_of_motion_and_springs() -> None:

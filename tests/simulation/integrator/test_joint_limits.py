@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from somo_cli.simulation.integrator.joint_limits import JointLimits, limit_torques
-from tests.loading import rows_of, scene_from_text
-from tests.manipulator.bodies import EVERYTHING, chain_of
-from tests.simulation.test_physics import JOINTS
+from tests.builders.definitions import EVERYTHING, chain_of
+from tests.builders.runs import rows_of
+from tests.builders.scenes import JOINTS, scene_from_text
 
 
 @pytest.mark.parametrize("seed", range(30))

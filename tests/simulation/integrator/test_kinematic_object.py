@@ -12,8 +12,9 @@ import pytest
 from somo_cli.manipulator.geometry import rotate, rotation_from_quaternion, rotation_from_rpy
 from somo_cli.scene import columns
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import rows_of, scene_from_file, scene_from_text
-from tests.manipulator.bodies import Data, X, actuator, manipulator
+from tests.builders.definitions import Data, X, actuator, manipulator
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_file, scene_from_text
 
 pytest.importorskip("pybullet")
 

@@ -13,8 +13,9 @@ from somo_cli.problems import SimulationDiverged
 from somo_cli.simulation.integrator.motion_work_bound import MotionWorkBound
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
-from tests.loading import rows_of, scene_from_text
-from tests.manipulator.bodies import Data
+from tests.builders.definitions import Data
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_text
 
 
 def plan_of(motion: Data, *objects: Data, **of_scene: Any) -> Plan:

@@ -16,8 +16,9 @@ from somo_cli.problems import EngineRefused
 from somo_cli.scene import columns
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import rows_of, scene_from_text
-from tests.manipulator.bodies import Y, actuator, hinge, manipulator
+from tests.builders.definitions import Y, actuator, hinge, manipulator
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_text
 
 pytest.importorskip("pybullet")
 
@@ -74,7 +75,7 @@ def test_the_base_is_where_its_path_says(step: float, interpolation: str) -> Non
 @pytest.mark.parametrize("name", MOTIONS)
 def test_the_joints_feel_it_as_in_mujoco(name: str) -> None:
     pytest.importorskip("mujoco")
-    from tests.simulation.mujoco_reference import model_of, prescribed_trajectory
+    from tests.builders.mujoco_reference import model_of, prescribed_trajectory
 
     (one,) = finger(MOTIONS[name], 1e-3).manipulators
     assert one.motion is not None

@@ -13,10 +13,10 @@ from somo_cli.simulation.monitoring.contact_events import ContactEvent, ContactM
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.recording.contact_event_writer import ContactEventWriter
 from somo_cli.simulation.run import run
-from tests.loading import scene_from_file, scene_from_text
-from tests.manipulator.bodies import Data
-from tests.scene.test_rigid_object import BALL, CUBE, G, scene_of
-from tests.simulation.fake_world import FakeWorld
+from tests.builders.definitions import Data
+from tests.builders.fake_world import FakeWorld
+from tests.builders.rigid_objects import BALL, CUBE, G, scene_of
+from tests.builders.scenes import scene_from_file, scene_from_text
 
 STEP = 1e-3
 

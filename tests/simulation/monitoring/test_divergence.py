@@ -20,11 +20,11 @@ from somo_cli.simulation.monitoring.divergence import DivergenceMonitor, StateHi
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.joint_springs import JointSprings
 from somo_cli.simulation.plan.model import Plan
-from tests.loading import DEFINITIONS, rows_of, scene_from_file, scene_from_text, simulated
-from tests.manipulator.bodies import actuator, hinge, manipulator
-from tests.simulation import test_physics as physics
-from tests.simulation.fake_world import INERTIA, NEUTRAL, STIFFNESS, plan_of_hinges
-from tests.simulation.integrator.test_energy_bound import of_hinge
+from tests.builders import pendulum
+from tests.builders.definitions import actuator, hinge, manipulator
+from tests.builders.fake_world import INERTIA, NEUTRAL, STIFFNESS, of_hinge, plan_of_hinges
+from tests.builders.runs import rows_of, simulated
+from tests.builders.scenes import DEFINITIONS, scene_from_file, scene_from_text
 
 SCENES = sorted(path.name for path in DEFINITIONS.glob("*scene.yaml"))
 JOINTS = "manipulators[0].definition.actuator_definitions[0].joint_definitions"
@@ -176,9 +176,9 @@ def test_the_alarm_comes_within_few_steps_of_the_growth(largest: float, factor: 
 def test_what_explicit_stores_near_its_limit_is_no_alarm() -> None:
     """A mode at 0.95 of its limit has up to (1 + x) / (1 - x) = 39 times its energy in turn."""
     # 4 I - 2 h d - h² k = 0 of the hinge of the tests of physics
-    largest = (-0.5 + math.sqrt(0.25 + 4 * physics.INERTIA * 50)) / 50
-    simulated(make_plan(physics.hinge("explicit", 0.95 * largest)), 2000)
-    diverged(make_plan(physics.hinge("explicit", 1.02 * largest)), 2000)
+    largest = (-0.5 + math.sqrt(0.25 + 4 * pendulum.INERTIA * 50)) / 50
+    simulated(make_plan(pendulum.hinge("explicit", 0.95 * largest)), 2000)
+    diverged(make_plan(pendulum.hinge("explicit", 1.02 * largest)), 2000)
 
 
 def test_the_joint_that_diverges_is_named() -> None:

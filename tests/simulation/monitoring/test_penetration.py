@@ -12,9 +12,10 @@ from somo_cli.simulation.monitoring.penetration import (
 )
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
-from tests.loading import scene_from_text, simulated
-from tests.manipulator.bodies import X, actuator, manipulator
-from tests.simulation.fake_world import FakeWorld, plan_of_hinges
+from tests.builders.definitions import X, actuator, manipulator
+from tests.builders.fake_world import FakeWorld, plan_of_hinges
+from tests.builders.runs import simulated
+from tests.builders.scenes import scene_from_text
 
 
 def plan_with_plate(step: float = 1e-3) -> Plan:

@@ -18,11 +18,12 @@ from somo_cli.scene.stop_conditions import (
 from somo_cli.simulation.integrator.refresh_policy import MONITORING_INTERVAL
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
-from tests.loading import scene_from_text, simulated
-from tests.manipulator.bodies import Data
-from tests.scene.test_rigid_object import CUBE, G, scene_of
-from tests.simulation.fake_world import FakeWorld, plan_of_hinges
-from tests.simulation.test_run import Ended
+from tests.builders.definitions import Data
+from tests.builders.fake_run import Ended
+from tests.builders.fake_world import FakeWorld, plan_of_hinges
+from tests.builders.rigid_objects import CUBE, G, scene_of
+from tests.builders.runs import simulated
+from tests.builders.scenes import scene_from_text
 
 INFINITE = float("inf")
 

@@ -14,8 +14,8 @@ from somo_cli.manipulator.urdf import render_for_engine
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
-from tests.loading import scene_from_text
-from tests.manipulator.bodies import EVERYTHING, X, Y, Z, actuator, manipulator
+from tests.builders.definitions import EVERYTHING, X, Y, Z, actuator, manipulator
+from tests.builders.scenes import scene_from_text
 
 ONE = {
     "name": "one",

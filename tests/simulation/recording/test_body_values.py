@@ -23,9 +23,10 @@ from somo_cli.simulation.engine.contacts import ContactPoint
 from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.plan.units import unit_factors_of
 from somo_cli.simulation.recording.body_values import BODY_VALUES, BodyStates
-from tests.loading import rows_of, scene_from_text
-from tests.manipulator.bodies import EVERYTHING, X, Y, actuator, bent, manipulator
-from tests.scene.test_columns import ALL, NAMES, plan_of
+from tests.builders.definitions import EVERYTHING, X, Y, actuator, bent, manipulator
+from tests.builders.recorded_columns import ALL, NAMES, plan_of
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_text
 
 
 def state_in(plan: Plan, angles: list[float], base: Pose) -> BodyStates:

@@ -9,10 +9,10 @@ import pytest
 
 from somo_cli.scene import columns
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import rows_of, scene_from_file, scene_from_text
-from tests.manipulator.bodies import X, actuator, manipulator
-from tests.scene.test_rigid_object import CUBE, G, scene_of
-from tests.simulation.recording.test_object_values import table, vectors
+from tests.builders.definitions import X, actuator, manipulator
+from tests.builders.rigid_objects import CUBE, G, scene_of
+from tests.builders.runs import rows_of, table, vectors
+from tests.builders.scenes import scene_from_file, scene_from_text
 
 FORCE = ("fx_n", "fy_n", "fz_n")
 LOAD = (*FORCE, "normal_n", "friction_n", "friction_x_n", "friction_y_n", "friction_z_n")

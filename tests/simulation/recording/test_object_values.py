@@ -4,30 +4,17 @@ from __future__ import annotations
 
 import json
 import math
-from typing import Any
 
 import numpy as np
 import pytest
 
 from somo_cli.scene import columns
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import rows_of, scene_from_text
-from tests.manipulator.bodies import Data
-from tests.scene.test_rigid_object import BALL, CUBE, G, scene_of
+from tests.builders.rigid_objects import BALL, CUBE, G, scene_of
+from tests.builders.runs import table, vectors
+from tests.builders.scenes import scene_from_text
 
 STEPS = {"implicit": 1e-3, "euler": 1e-3, "explicit": 1e-3}
-
-
-def table(data: Data, steps: int, **record: Any) -> dict[str, np.ndarray]:
-    """Return the columns of a run by name."""
-    pytest.importorskip("pybullet")
-    scene = scene_from_text(json.dumps({**data, "record": record}))
-    names = columns.header(make_plan(scene).recorded)
-    return dict(zip(names, np.array(rows_of(scene, steps)).T, strict=True))
-
-
-def vectors(found: dict[str, np.ndarray], *names: str) -> np.ndarray:
-    return np.stack([found[name] for name in names], axis=1)
 
 
 def test_the_columns_of_an_object() -> None:

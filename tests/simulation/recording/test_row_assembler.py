@@ -11,9 +11,10 @@ import pytest
 from somo_cli.scene import columns
 from somo_cli.scene.model import ALL_OBJECT_QUANTITIES, ALL_QUANTITIES
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import rows_of, scene_from_file, scene_from_text
-from tests.simulation.fake_world import FakeWorld, plan_of_hinges
-from tests.simulation.test_run import Ended
+from tests.builders.fake_run import Ended
+from tests.builders.fake_world import FakeWorld, plan_of_hinges
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_file, scene_from_text
 
 REFUSED = {
     "base_pose": ["tip_position", "base_pose", "link_positions", "link_orientations", "energy"],

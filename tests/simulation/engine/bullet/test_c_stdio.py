@@ -14,8 +14,8 @@ from somo_cli.simulation.engine.bullet.c_stdio import stdout_to_stderr
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
-from tests.loading import scene_from_text
-from tests.manipulator.bodies import EVERYTHING
+from tests.builders.definitions import EVERYTHING
+from tests.builders.scenes import scene_from_text
 
 
 def plan() -> Plan:

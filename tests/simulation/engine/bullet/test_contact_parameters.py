@@ -14,8 +14,9 @@ from somo_cli.simulation.engine.bullet.contact_parameters import (
 )
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import rows_of, scene_from_text
-from tests.manipulator.bodies import X, actuator, manipulator
+from tests.builders.definitions import X, actuator, manipulator
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_text
 from tests.truth import surfaces
 from tests.truth.touching import last_row, with_cubes
 

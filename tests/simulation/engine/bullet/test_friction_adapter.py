@@ -7,8 +7,9 @@ import math
 
 import pytest
 
-from tests.loading import rows_of, scene_from_text
-from tests.manipulator.bodies import X, actuator, hinge, manipulator
+from tests.builders.definitions import X, actuator, hinge, manipulator
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_text
 from tests.truth import surfaces
 from tests.truth.touching import last_row, with_cubes
 

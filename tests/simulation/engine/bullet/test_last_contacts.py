@@ -16,7 +16,7 @@ from somo_cli.simulation.engine.bullet.last_contacts import (
 )
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import scene_from_text
+from tests.builders.scenes import scene_from_text
 
 RADIUS, MASS, STEP, FRICTION = 0.1, 2.0, 1e-3, 0.5
 

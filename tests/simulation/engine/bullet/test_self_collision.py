@@ -10,8 +10,9 @@ import pytest
 
 from somo_cli.scene import columns
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import rows_of, scene_from_text
-from tests.manipulator.bodies import BOX, CAPSULE, STADIUM, Data, actuator, hinge, manipulator
+from tests.builders.definitions import BOX, CAPSULE, STADIUM, Data, actuator, hinge, manipulator
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_text
 
 pytest.importorskip("pybullet")
 

@@ -13,8 +13,9 @@ import pytest
 
 from somo_cli.scene import columns
 from somo_cli.simulation.plan.build import make_plan
-from tests.loading import rows_of, scene_from_text
-from tests.manipulator.bodies import actuator, hinge, manipulator
+from tests.builders.definitions import actuator, hinge, manipulator
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_text
 from tests.sliding.headings import stop
 from tests.truth.surfaces import course
 from tests.truth.touching import G, with_cubes

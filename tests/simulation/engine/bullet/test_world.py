@@ -23,8 +23,9 @@ from somo_cli.simulation.engine.bullet.body import MAX_UNNAMED_JOINTS, ZERO_EFFE
 from somo_cli.simulation.engine.bullet.world import BulletBody, BulletWorld
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
-from tests.loading import rows_of, scene_from_file, scene_from_text
-from tests.manipulator.bodies import EVERYTHING, X, Y, actuator, bent, hinge, manipulator
+from tests.builders.definitions import EVERYTHING, X, Y, actuator, bent, hinge, manipulator
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_file, scene_from_text
 
 STEP = 1e-3  # s
 # a base whose mass is off its frame's origin, with principal axes askew

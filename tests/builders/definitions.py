@@ -1,21 +1,14 @@
-"""Definitions to test with, and what other programs make of the URDF that we compile from them."""
+"""Definitions to test with, as plain data, and what the compiler makes of them."""
 
 from __future__ import annotations
 
 import json
-import tempfile
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from pathlib import Path
+from collections.abc import Mapping
 from typing import Any
-
-import numpy as np
-import pytest
 
 from somo_cli.document.parse import Document, parse
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.compile import Compiled, compile_definition
-from somo_cli.manipulator.urdf import render
 
 Data = dict[str, Any]
 
@@ -87,29 +80,6 @@ EVERYTHING = manipulator(
 )
 
 
-@contextmanager
-def in_bullet(text: str) -> Iterator[tuple[Any, int, int]]:
-    """Load a URDF into a fresh PyBullet, base held; yield the engine, the client and the body."""
-    bullet = pytest.importorskip("pybullet")
-    client = bullet.connect(bullet.DIRECT)
-    try:
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "body.urdf"
-            path.write_text(text, "utf-8")
-            flags = bullet.URDF_USE_INERTIA_FROM_FILE
-            body = bullet.loadURDF(
-                str(path), useFixedBase=True, flags=flags, physicsClientId=client
-            )
-        yield bullet, client, body
-    finally:
-        bullet.disconnect(client)
-
-
 def bent(chain: Chain) -> list[float]:
     """Return angles at which nothing is symmetric."""
     return [0.1 * (1 + place % 3) * (-1) ** (place // 2) for place in range(len(chain.joints))]
-
-
-def bullet_mass_matrix(chain: Chain, angles: list[float]) -> np.ndarray:
-    with in_bullet(render(chain)) as (bullet, client, body):
-        return np.array(bullet.calculateMassMatrix(body, angles, physicsClientId=client))

@@ -1,34 +1,25 @@
-"""Scenes for tests and measurements, by the same stages as the command line."""
+"""Runs of scenes in the engine, and their rows and columns as arrays."""
 
 from __future__ import annotations
 
 import itertools
+import json
 from collections.abc import Callable, Sequence
-from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pytest
 
 from somo_cli.arrays import Array
-from somo_cli.loading import load_text, scene_of
+from somo_cli.scene import columns
 from somo_cli.scene.model import Scene
 from somo_cli.simulation import run
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.run import RunSummary
-
-DEFINITIONS = Path(__file__).parents[1] / "definitions"
-
-
-def scene_from_text(text: str, *sets: str, source: str = str(DEFINITIONS / "test.yaml")) -> Scene:
-    """Read a scene, or a definition as the scene of it alone; paths are those of definitions/."""
-    return scene_of(load_text(text, source, sets))[0]
-
-
-def scene_from_file(name: str, *sets: str) -> Scene:
-    """Read a scene of definitions/."""
-    path = DEFINITIONS / name
-    return scene_from_text(path.read_text("utf-8"), *sets, source=str(path))
+from tests.builders.definitions import Data
+from tests.builders.scenes import scene_from_text
 
 
 def rows_of(scene_or_plan: Scene | Plan, steps: int) -> list[list[float]]:
@@ -54,3 +45,15 @@ def in_turn(rows: Sequence[Sequence[float]]) -> Callable[[int], Array]:
     """Return a function that gives the next so many rows."""
     left = iter(rows)
     return lambda count: np.array(list(itertools.islice(left, count)))
+
+
+def table(data: Data, steps: int, **record: Any) -> dict[str, np.ndarray]:
+    """Return the columns of a run by name."""
+    pytest.importorskip("pybullet")
+    scene = scene_from_text(json.dumps({**data, "record": record}))
+    names = columns.header(make_plan(scene).recorded)
+    return dict(zip(names, np.array(rows_of(scene, steps)).T, strict=True))
+
+
+def vectors(found: dict[str, np.ndarray], *names: str) -> np.ndarray:
+    return np.stack([found[name] for name in names], axis=1)

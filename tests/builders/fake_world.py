@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -19,10 +20,12 @@ from somo_cli.simulation.engine.pressing import (
     PressingForces,
     PressingPoints,
 )
+from somo_cli.simulation.integrator.energy_bound import BodyEnergy
 from somo_cli.simulation.plan.build import make_plan
+from somo_cli.simulation.plan.joint_springs import JointSprings
 from somo_cli.simulation.plan.model import Body, Plan
-from tests.loading import scene_from_text
-from tests.manipulator.bodies import actuator, hinge, manipulator
+from tests.builders.definitions import actuator, hinge, manipulator
+from tests.builders.scenes import scene_from_text
 
 INERTIA = 0.5  # kg·m²
 STIFFNESS = 20.0  # N·m/rad
@@ -46,6 +49,13 @@ def plan_of_hinges(count: int = 1, names: Sequence[str] = ("a",), **more: Any) -
     }
     manipulators = [{"name": name, **one} for name in names]
     return make_plan(scene_from_text(json.dumps({"manipulators": manipulators, **more})))
+
+
+def of_hinge(gravity: float = 0.0, **start: object) -> BodyEnergy:
+    body = plan_of_hinges(1).bodies[0]
+    body = dataclasses.replace(body, start=dataclasses.replace(body.start, **start))  # type: ignore[arg-type]
+    springs = JointSprings(np.array([STIFFNESS]), np.zeros(1), np.array([NEUTRAL]))
+    return BodyEnergy(body, springs, (0.0, 0.0, -gravity))
 
 
 class FakeBody:
