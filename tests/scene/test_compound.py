@@ -13,13 +13,12 @@ from somo_cli.manipulator.chain import Link
 from somo_cli.manipulator.round_solids import Capsule, RoundedBox
 from somo_cli.manipulator.solids import Inertial, Sphere
 from somo_cli.scene import compound, object_shapes
-from tests.builders.rigid_objects import PILL, SCALES, G, run, scene_of, slop
-from tests.builders.rigid_objects import ROUNDED_CUBE as CUBE
+from tests.builders.rigid_objects import PILL, ROUNDED_CUBE, SCALES, G, run, scene_of, slop
 
 
 @SCALES
 def test_a_rounded_cube_rests_at_its_true_height(scale: float) -> None:
-    cube = {**CUBE, "position": [0, 0, 0.03]}
+    cube = {**ROUNDED_CUBE, "position": [0, 0, 0.03]}
     found = run(scene_of(cube, ground={}, world_scale=scale), 0.5)["cube"]
     assert np.abs(found["z_m"] - 0.03).max() < slop(scale)
     assert np.hypot(found["x_m"], found["y_m"]).max() < 1e-8
@@ -30,14 +29,19 @@ def test_a_rounded_cube_rests_at_its_true_height(scale: float) -> None:
 def test_a_rounded_cube_on_edge_touches_with_its_edge(scale: float) -> None:
     # the middle is as high as half the diagonal of the core, and the radius
     height = 0.025 * math.sqrt(2) + 0.005
-    cube = {**CUBE, "position": [0, 0, height + 1e-4], "rpy": [math.pi / 4, 0, 0]}
+    cube = {**ROUNDED_CUBE, "position": [0, 0, height + 1e-4], "rpy": [math.pi / 4, 0, 0]}
     found = run(scene_of(cube, ground={}, world_scale=scale), 0.03)["cube"]
     assert found["z_m"][-1] == pytest.approx(height, abs=5 * slop(scale))
 
 
 @SCALES
 def test_a_rounded_cube_slides_as_coulomb_says(scale: float) -> None:
-    cube = {**CUBE, "position": [0, 0, 0.03], "linear_velocity": [0.5, 0, 0], "friction": 0.5}
+    cube = {
+        **ROUNDED_CUBE,
+        "position": [0, 0, 0.03],
+        "linear_velocity": [0.5, 0, 0],
+        "friction": 0.5,
+    }
     found = run(scene_of(cube, ground={}, world_scale=scale), 0.3)["cube"]
     assert found["x_m"][-1] == pytest.approx(0.25 / (2 * 0.5 * G), rel=1e-2)
 

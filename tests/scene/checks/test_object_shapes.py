@@ -12,12 +12,12 @@ from somo_cli.scene import object_shapes
 from somo_cli.scene.extents import min_height
 from tests.builders.definitions import Data
 from tests.builders.meshes import corners, obj
-from tests.builders.rigid_objects import CUBE, PILL, told
+from tests.builders.rigid_objects import PILL, ROUNDED_CUBE, told
 
 
 def test_nothing_is_wrong_with_these() -> None:
-    assert told(CUBE, PILL) == []
-    assert told({**CUBE, "fixed": True}, {**PILL, "fixed": True}) == []
+    assert told(ROUNDED_CUBE, PILL) == []
+    assert told({**ROUNDED_CUBE, "fixed": True}, {**PILL, "fixed": True}) == []
 
 
 @pytest.mark.parametrize(
@@ -27,14 +27,14 @@ def test_nothing_is_wrong_with_these() -> None:
         ({**PILL, "mass": 1}, "mass and density are two ways to say the same"),
         ({**PILL, "edge_radius": 1}, "edge_radius is for shape_type box, this one is capsule"),
         (
-            {**CUBE, "edge_radius": 0.03},
+            {**ROUNDED_CUBE, "edge_radius": 0.03},
             "0.03 m is not less than half the shortest edge, 0.03 m",
         ),
         (
-            {key: value for key, value in CUBE.items() if key != "dimensions"},
+            {key: value for key, value in ROUNDED_CUBE.items() if key != "dimensions"},
             "a box needs dimensions",
         ),
-        ({**CUBE, "position": [0, 0, 0.02]}, "it starts 0.01 m inside the ground"),
+        ({**ROUNDED_CUBE, "position": [0, 0, 0.02]}, "it starts 0.01 m inside the ground"),
         ({**PILL, "position": [0, 0, 0.03]}, "it starts 0.01 m inside the ground"),
     ],
 )
@@ -86,7 +86,7 @@ def test_a_body_that_resists_no_turn() -> None:
 
 def test_the_lowest_point_of_what_is_round() -> None:
     tilted = geometry.rotation_from_rpy((0.7, 0.4, 0.2))
-    for thing in (PILL, CUBE):
+    for thing in (PILL, ROUNDED_CUBE):
         (shape,) = object_shapes.object_link(thing).shapes
         below = min_height(shape, Pose((0.0, 0.0, 1.0), tilted))
         x, y, z = tilted[2]
