@@ -10,17 +10,19 @@ from somo_cli.simulation.dynamics.modal import (
     mass_normalisation,
     natural_frequencies,
 )
-
-RANDOM = np.random.default_rng(7)
-
-
-def inertia(n: int = 3) -> np.ndarray:
-    root = RANDOM.normal(size=(n, n))
-    return root @ root.T + n * np.eye(n)
+from tests.builders.matrices import positive_definite
 
 
-def test_natural_frequencies_solve_the_generalised_eigenproblem() -> None:
-    mass, stiffness = inertia(5), RANDOM.uniform(1, 5, 5)
+@pytest.fixture
+def random() -> np.random.Generator:
+    """A generator of its own for every test, so that no value depends on which tests ran."""
+    return np.random.default_rng(7)
+
+
+def test_natural_frequencies_solve_the_generalised_eigenproblem(
+    random: np.random.Generator,
+) -> None:
+    mass, stiffness = positive_definite(random, 5), random.uniform(1, 5, 5)
     squares = np.sort(np.linalg.eigvals(np.linalg.solve(mass, np.diag(stiffness))).real)
     assert natural_frequencies(mass, stiffness) == pytest.approx(np.sqrt(squares))
 
@@ -37,8 +39,10 @@ def test_without_springs_every_explicit_step_is_stable() -> None:
     assert largest_explicit_step(np.eye(2), np.zeros(2), [0.0, 0.0]) == float("inf")
 
 
-def test_the_explicit_limit_is_where_the_recursion_starts_to_grow() -> None:
-    mass, stiffness, damping = inertia(4), *RANDOM.uniform(0.1, 5, (2, 4))
+def test_the_explicit_limit_is_where_the_recursion_starts_to_grow(
+    random: np.random.Generator,
+) -> None:
+    mass, stiffness, damping = positive_definite(random, 4), *random.uniform(0.1, 5, (2, 4))
     limit = largest_explicit_step(mass, stiffness, damping)
     for factor, is_stable in ((0.999, True), (1.001, False)):
         h = factor * limit
@@ -49,8 +53,8 @@ def test_the_explicit_limit_is_where_the_recursion_starts_to_grow() -> None:
         assert (np.abs(np.linalg.eigvals(step)).max() <= 1) == is_stable
 
 
-def test_a_stiffness_that_couples_joints_counts_as_a_whole() -> None:
-    mass, stiffness = inertia(4), inertia(4)
+def test_a_stiffness_that_couples_joints_counts_as_a_whole(random: np.random.Generator) -> None:
+    mass, stiffness = positive_definite(random, 4), positive_definite(random, 4)
     limit = largest_explicit_step(mass, stiffness, np.zeros(4))
     assert limit == pytest.approx(2 / natural_frequencies(mass, stiffness)[-1], rel=1e-12)
 
@@ -62,8 +66,8 @@ def test_light_links_do_not_drown_among_heavy_ones() -> None:
     assert limit == pytest.approx(2e-3, rel=1e-9)
 
 
-def test_shapes_have_unit_masses() -> None:
-    mass, stiffness = inertia(5), inertia(5)
+def test_shapes_have_unit_masses(random: np.random.Generator) -> None:
+    mass, stiffness = positive_definite(random, 5), positive_definite(random, 5)
     normalised, shaped = mass_normalisation(mass)
     squares, vectors = np.linalg.eigh(normalised(stiffness))
     shapes = shaped(vectors)

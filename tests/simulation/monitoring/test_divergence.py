@@ -13,6 +13,8 @@ import pytest
 
 from somo_cli.problems import SimulationDiverged
 from somo_cli.simulation import run
+from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
+from somo_cli.simulation.dynamics.modal import natural_frequencies
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.integrator.energy_bound import SMALL_ANGLE, BodyEnergy
 from somo_cli.simulation.monitoring import divergence
@@ -32,7 +34,7 @@ JOINTS = "manipulators[0].definition.actuator_definitions[0].joint_definitions"
 
 @pytest.fixture
 def narrow(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Allow half as much as the watch does: ordinary motion is far from an alarm."""
+    """Halve the bound of the divergence monitor: ordinary motion is far from an alarm."""
     monkeypatch.setattr(divergence, "MAX_ENERGY_RATIO", divergence.MAX_ENERGY_RATIO / 2)
 
 
@@ -135,13 +137,27 @@ def largest() -> float:
     return advised(diverged(explicit(1e-3), 100)[0])
 
 
-@pytest.mark.parametrize("damping", [None, 0.0, 1e-4])
-def test_the_step_of_the_advice_is_stable_and_more_is_not(damping: float | None) -> None:
-    sets = [f"{JOINTS}[{joint}].spring_damping={damping}" for joint in range(5) if damping]
+def with_damping(damping: float) -> list[str]:
+    """Return the overrides that give all five joints of the planar finger one damping."""
+    return [f"{JOINTS}[{joint}].spring_damping={damping}" for joint in range(5)]
+
+
+@pytest.mark.parametrize("sets", [[], with_damping(0.0), with_damping(1e-4)])
+def test_the_step_of_the_advice_is_stable_and_more_is_not(sets: list[str]) -> None:
     largest = advised(diverged(explicit(1e-3, 1, *sets), 100)[0])
     assert 1e-5 < largest < 1e-3
     simulated(explicit(0.98 * largest, 100, *sets), 4000)
     diverged(explicit(1.1 * largest, 100, *sets), 4000)
+
+
+def test_without_damping_the_advice_is_two_over_the_highest_frequency() -> None:
+    plan = explicit(1e-3, 1, *with_damping(0.0))
+    chain = ChainDynamics(plan.bodies[0].chain)
+    assert not chain.damping.any()
+    mass = chain.at(np.full(5, 0.02)).joint_inertia()
+    highest = natural_frequencies(mass, chain.stiffness)[-1]  # rad/s
+    # the advice has three digits
+    assert advised(diverged(plan, 100)[0]) == pytest.approx(2 / highest, rel=5e-3)
 
 
 @pytest.mark.parametrize("every", [1, 1000])
