@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -49,6 +50,14 @@ def environment() -> dict[str, str]:
     quiet = {key: value for key, value in os.environ.items() if key not in _LOUD}
     # The tree under test, wherever the command runs, installed or not.
     return quiet | {"PYTHONPATH": str(Path(somo_cli.__file__).parents[1]), "TERM": "dumb"}
+
+
+@pytest.fixture
+def narrow_umask() -> Iterator[None]:
+    """New files can be read by their owner and the group, whatever the umask of the machine."""
+    before = os.umask(0o027)
+    yield
+    os.umask(before)
 
 
 @pytest.fixture

@@ -21,7 +21,7 @@ from tests.builders.runs import rows_of
 from tests.builders.scenes import DEFINITIONS, scene_from_file
 from tests.contact import second_opinion
 from tests.contact.candidates import EXPLICIT, PLAIN, Candidate, filters
-from tests.contact.cases import REACH, Case, blocked, box, cases, finger, named, scene_of
+from tests.contact.cases import REACH, Case, blocked, box, case_scene, cases, finger, named
 from tests.contact.chatter import shake
 from tests.contact.trial import recorded, trial
 
@@ -93,7 +93,7 @@ def test_contact_gives_no_energy(name: str, step: float, most: float) -> None:
 
 def snake_that_falls_on_its_end() -> Case:
     snake = {"definition": "snake.yaml", "base": "free", "position": [0, 0, 0.25]}
-    scene = scene_of([snake | {"rpy": [0.4, 0.9, 0]}], ground={})
+    scene = case_scene([snake | {"rpy": [0.4, 0.9, 0]}], ground={})
     return Case("snake falls", "", scene, 0.3, lambda table: 0.0, columns=("energy",))
 
 
@@ -143,7 +143,7 @@ def test_dampers_far_above_the_inertia_let_a_sliding_finger_shake_but_little() -
 
 def written(folder: Path, torque: float) -> Path:
     wall = box("wall", [0.1, 0.02, 0.1], [0, -0.03, 0.1], fixed=True)
-    scene = scene_of([finger("finger", torque)], [wall], gravity=[0, 0, 0])
+    scene = case_scene([finger("finger", torque)], [wall], gravity=[0, 0, 0])
     (folder / "finger.yaml").write_text((DEFINITIONS / "finger.yaml").read_text("utf-8"), "utf-8")
     path = folder / "scene.json"
     path.write_text(json.dumps(scene), "utf-8")

@@ -29,7 +29,7 @@ SCENES = [path.stem for path in FILES if path.stem.endswith("scene")]
 
 
 @cache
-def chain_of(name: str) -> Chain:
+def chain_of_file(name: str) -> Chain:
     return compile_definition(load(str(FOLDER / f"{name}.yaml"))).chain
 
 
@@ -58,7 +58,7 @@ def modes(chain: Chain, axis: int) -> list[tuple[float, float]]:
 
 @pytest.mark.parametrize(("axis", "stiffness"), [(0, 6.12), (1, 29.05)])
 def test_the_tip_of_the_finger_is_as_stiff_as_measured(axis: int, stiffness: float) -> None:
-    chain = chain_of("finger")
+    chain = chain_of_file("finger")
     compliance = sum(
         arm**2 / joint.stiffness
         for arm, joint in zip(heights_below_the_tip(chain), chain.joints, strict=True)
@@ -73,7 +73,7 @@ def test_the_tip_of_the_finger_is_as_stiff_as_measured(axis: int, stiffness: flo
 def test_each_segment_of_the_finger_of_two_is_as_stiff_as_said(
     actuator: int, axis: int, stiffness: float
 ) -> None:
-    chain = chain_of("two_segment_finger")
+    chain = chain_of_file("two_segment_finger")
     end = 0.01 + 0.05 * (1 + actuator)  # m: above the base frame
     poses = link_poses(chain, [0.0] * len(chain.joints), Pose())
     compliance = sum(
@@ -104,7 +104,7 @@ def test_each_segment_of_the_finger_of_two_is_as_stiff_as_said(
 def test_the_lowest_modes_and_their_damping(
     name: str, axis: int, frequency: float, ratio: float
 ) -> None:
-    found = modes(chain_of(name), axis)[0]
+    found = modes(chain_of_file(name), axis)[0]
     assert found == (pytest.approx(frequency, rel=3e-3), pytest.approx(ratio, abs=1e-3))
 
 
@@ -118,7 +118,7 @@ def test_the_lowest_modes_and_their_damping(
 def test_arm_and_snake_are_soft_silicone(
     name: str, area: float, second_moment: float, segment: float
 ) -> None:
-    chain = chain_of(name)
+    chain = chain_of_file(name)
     assert chain.links[1].inertial.mass == pytest.approx(1070 * area * segment, rel=1e-3)
     for joint in chain.joints:
         # two axes take turns, so a joint stands for two segments
@@ -160,7 +160,7 @@ def first_chain_in(scene: str) -> Chain:
     text = (FOLDER / f"{scene}.yaml").read_text("utf-8")
     found = re.search(r"definition: (\w+)\.yaml", text)
     assert found is not None
-    return chain_of(found[1])
+    return chain_of_file(found[1])
 
 
 @pytest.mark.moderate
@@ -218,14 +218,14 @@ def test_what_tumbles_comes_to_rest_at_its_true_height(somo: Somo, tmp_path: Pat
 
 def test_the_snake_stays_on_the_spot_and_in_its_plane(somo: Somo, tmp_path: Path) -> None:
     table = recorded(somo, "snake_scene", 1000, tmp_path)
-    chain = chain_of("snake")
+    chain = chain_of_file("snake")
     angles = columns(table, ".angle_rad")
     bases = columns(table, "base_pose.x_m", "base_pose.y_m", "base_pose.z_m")
     turns = columns(table, ".qx", ".qy", ".qz", ".qw")
     centres = []
     for base, turn, angle in zip(bases, turns, angles, strict=True):
         pose = Pose(tuple(base), geometry.rotation_from_quaternion(tuple(turn)))
-        centres.append(centre_of_mass(chain, angle, pose))
+        centres.append(centre_of_chain(chain, angle, pose))
     # the engine keeps momentum to second order in the time step: 0.2 mm here, a quarter at half
     assert np.abs(centres).max() < 5e-4
     assert np.abs(columns(table, ".tip.z_m")).max() < 1e-6
@@ -242,7 +242,7 @@ def test_the_starfish_stands_on_its_arms(somo: Somo, tmp_path: Path) -> None:
     assert heights.min() > 0.0145
 
 
-def centre_of_mass(chain: Chain, angles: Sequence[float], base: Pose) -> np.ndarray:
+def centre_of_chain(chain: Chain, angles: Sequence[float], base: Pose) -> np.ndarray:
     pairs = zip(link_poses(chain, angles, base), chain.links, strict=True)
     weighted = [
         np.array(pose.point(link.inertial.centre)) * link.inertial.mass for pose, link in pairs

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import os
-import stat
 from pathlib import Path
 
 import pytest
@@ -11,21 +10,7 @@ from somo_cli.files import open_reference, read_text
 from somo_cli.problems import InvalidFile, Problem, Span
 
 ROOT = getattr(os, "geteuid", lambda: 1)() == 0
-
-
-def names(folder: Path) -> list[str]:
-    return sorted(path.name for path in folder.iterdir())
-
-
-def mode_of(path: Path) -> int:
-    return stat.S_IMODE(path.stat().st_mode)
-
-
-@pytest.fixture(autouse=True)
-def _umask() -> object:
-    before = os.umask(0o027)
-    yield
-    os.umask(before)
+pytestmark = pytest.mark.usefixtures("narrow_umask")
 
 
 # Reading

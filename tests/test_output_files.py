@@ -14,23 +14,10 @@ import pytest
 
 from somo_cli import output_files
 from somo_cli.output_files import open_partial, write_atomically
+from tests.builders.files import mode_of, names_in
 
 ROOT = getattr(os, "geteuid", lambda: 1)() == 0
-
-
-def names(folder: Path) -> list[str]:
-    return sorted(path.name for path in folder.iterdir())
-
-
-def mode_of(path: Path) -> int:
-    return stat.S_IMODE(path.stat().st_mode)
-
-
-@pytest.fixture(autouse=True)
-def _umask() -> object:
-    before = os.umask(0o027)
-    yield
-    os.umask(before)
+pytestmark = pytest.mark.usefixtures("narrow_umask")
 
 
 def test_a_file_is_written_as_the_umask_says(tmp_path: Path) -> None:
@@ -38,7 +25,7 @@ def test_a_file_is_written_as_the_umask_says(tmp_path: Path) -> None:
     write_atomically(str(path), "ü\n")
     assert path.read_bytes() == "ü\n".encode()
     assert mode_of(path) == 0o640
-    assert names(tmp_path) == ["f.urdf"]
+    assert names_in(tmp_path) == ["f.urdf"]
 
 
 def test_an_existing_file_keeps_its_mode(tmp_path: Path) -> None:
@@ -57,7 +44,7 @@ def test_a_symbolic_link_stays_one(tmp_path: Path) -> None:
         write_atomically(str(link), text)
         assert link.is_symlink()
         assert real.read_text() == text
-        assert names(tmp_path / "real") == ["file"]
+        assert names_in(tmp_path / "real") == ["file"]
     with open_partial(str(link)) as stream:
         stream.write("streamed")
     assert link.is_symlink()
@@ -88,7 +75,7 @@ def test_a_failure_leaves_the_old_file_and_nothing_else(
         assert (caught.value.errno, caught.value.filename) == (errno.ENOSPC, str(path))
     monkeypatch.undo()
     assert path.read_text() == "old"
-    assert names(tmp_path) == ["f.urdf"]
+    assert names_in(tmp_path) == ["f.urdf"]
 
 
 def test_a_place_that_cannot_be_written_raises_with_its_name(tmp_path: Path) -> None:
@@ -103,7 +90,7 @@ def test_a_place_that_cannot_be_written_raises_with_its_name(tmp_path: Path) -> 
             write(str(tmp_path))
         with pytest.raises(IsADirectoryError):
             write(f"{tmp_path}/new/")
-    assert names(tmp_path) == []
+    assert names_in(tmp_path) == []
 
 
 @pytest.mark.skipif(ROOT, reason="root may write everywhere")
@@ -115,7 +102,7 @@ def test_a_read_only_file_is_not_replaced(tmp_path: Path) -> None:
         write_atomically(str(path), "new")
     with pytest.raises(PermissionError), open_partial(str(path)):
         pass
-    assert (path.read_text(), names(tmp_path)) == ("old", ["f"])
+    assert (path.read_text(), names_in(tmp_path)) == ("old", ["f"])
 
 
 def test_no_permission_to_write_is_respected(
@@ -148,7 +135,7 @@ def test_devices_and_pipes_are_written_directly(tmp_path: Path) -> None:
                 stream.write("rows")
         reader.join()
     assert read == ["whole", "rows"]
-    assert names(tmp_path) == ["pipe"]
+    assert names_in(tmp_path) == ["pipe"]
 
 
 def test_a_full_device_raises() -> None:
@@ -184,7 +171,7 @@ def test_the_file_appears_when_the_rows_are_complete(tmp_path: Path) -> None:
         stream.write("1,2\n")
     assert path.read_bytes() == "a,ü\n1,2\n".encode()
     assert mode_of(path) == 0o600
-    assert names(tmp_path) == ["f.csv"]
+    assert names_in(tmp_path) == ["f.csv"]
 
 
 def test_a_new_file_has_the_mode_the_umask_says(tmp_path: Path) -> None:
@@ -217,13 +204,13 @@ def test_after_an_exception_the_rows_so_far_are_kept_aside(
     with open_partial(str(path)) as stream:
         stream.write("2\n")
     assert path.read_text() == "2\n"
-    assert names(tmp_path) == ["f.csv"]
+    assert names_in(tmp_path) == ["f.csv"]
 
 
 def test_without_a_row_nothing_is_kept(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="x"), open_partial(str(tmp_path / "f.csv")):
         raise ValueError("x")
-    assert names(tmp_path) == []
+    assert names_in(tmp_path) == []
 
 
 @pytest.mark.parametrize("call", ["fsync", "replace"])
@@ -259,7 +246,7 @@ def test_a_full_disk_is_an_error_even_for_the_last_rows(tmp_path: Path) -> None:
     command = [sys.executable, "-W", "error", "-c", code, str(path)]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (result.returncode, result.stderr) == (1, "File too large\n")
-    assert names(tmp_path) == ["f.csv.partial"]
+    assert names_in(tmp_path) == ["f.csv.partial"]
 
 
 def test_two_runs_cannot_write_one_file(tmp_path: Path) -> None:

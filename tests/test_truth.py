@@ -11,7 +11,7 @@ import pytest
 from somo_cli.analysis import closed_forms
 from somo_cli.calibration.beam_comparison import compare_with_beam
 from somo_cli.manipulator.definition import Placement
-from tests.bench.accuracy import MOTIONS, scene_of, truth_of
+from tests.bench.accuracy import MOTIONS, driven_finger, driven_finger_in_mujoco
 from tests.truth import against_mujoco, beams, calibrated, estimates, motion
 from tests.truth.table import Row, lines, ordered
 
@@ -126,8 +126,8 @@ def test_the_centre_of_a_thrown_finger_falls_on_its_parabola() -> None:
 
 def test_a_hundredth_of_the_error_of_another_simulator_at_the_same_step() -> None:
     """The ten-joint finger bent slowly: MuJoCo's integrators are of first order."""
-    scene = scene_of(next(iter(MOTIONS.values())))
-    truth = truth_of(scene)
+    scene = driven_finger(next(iter(MOTIONS.values())))
+    truth = driven_finger_in_mujoco(scene)
     ours, _ = against_mujoco.our_loop(scene, 2e-3)()
     theirs, _ = against_mujoco.their_loop(scene, 2e-3, "implicitfast")()
     classic, _ = against_mujoco.classic_loop(scene, 2e-4)()
@@ -164,8 +164,10 @@ def test_the_error_that_a_run_reports_is_within_a_factor_of_two(step: float) -> 
         estimates.of_hinge(integrator, step) for integrator in ("implicit", "euler", "explicit")
     ]
     for title, torque in MOTIONS.items():
-        scene = scene_of(torque)
-        rows.append(estimates.of_finger(title, scene, truth_of(scene), "implicit", step))
+        scene = driven_finger(torque)
+        rows.append(
+            estimates.of_finger(title, scene, driven_finger_in_mujoco(scene), "implicit", step)
+        )
     assert len(rows) == 5
     for row in rows:
         assert 0.5 < row.ours / row.reference < 2, row
@@ -175,14 +177,14 @@ def test_the_error_that_a_run_reports_is_within_a_factor_of_two(step: float) -> 
 def test_prescribed_bodies_follow_their_motion() -> None:
     pytest.importorskip("pybullet")
     pytest.importorskip("mujoco")
-    from tests.truth import led
+    from tests.truth import prescribed
 
-    for part in led.bases():
+    for part in prescribed.bases():
         if "pose" in part[0].what:
             assert max(row.error for row in part) < 1e-12
         else:
             assert part[-1].error < 1e-4
             assert part[-1].order > 1.9
-    straight, turned = led.objects()
+    straight, turned = prescribed.objects()
     assert max(row.error for row in straight) < 1e-9
     assert turned[-1].order == pytest.approx(1, abs=0.05)

@@ -13,8 +13,8 @@ from somo_cli.scene import columns
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.build import make_plan
-from tests.builders.fingers import finger, truth_of_finger
-from tests.builders.pendulum import error_of_hinge, hinge
+from tests.builders.fingers import struck_finger, struck_finger_in_mujoco
+from tests.builders.pendulum import error_of_pendulum, pendulum_scene
 from tests.builders.runs import in_turn, rows_of, simulated
 from tests.builders.scenes import scene_from_file, scene_from_text
 
@@ -27,8 +27,8 @@ def estimated(scene: Scene, steps: int) -> ErrorEstimate:
 @pytest.mark.parametrize("integrator", ["implicit", "euler", "explicit"])
 @pytest.mark.parametrize("step", [4e-3, 1e-3])
 def test_the_estimate_of_a_hinge_is_its_error(integrator: str, step: float) -> None:
-    found = estimated(hinge(integrator, step), round(1 / step))
-    true = error_of_hinge(integrator, step)
+    found = estimated(pendulum_scene(integrator, step), round(1 / step))
+    true = error_of_pendulum(integrator, step)
     assert found.order == (2 if integrator == "implicit" else 1)
     assert found.errors[0].maximum == pytest.approx(true, rel=0.15)
 
@@ -37,9 +37,9 @@ def test_the_estimate_of_a_hinge_is_its_error(integrator: str, step: float) -> N
 @pytest.mark.parametrize("step", [4e-3, 2e-3, 1e-3])
 def test_the_estimate_of_a_whipped_finger_is_its_error_within_two(step: float) -> None:
     """Against another simulator, every joint."""
-    scene = finger(step)
+    scene = struck_finger(step)
     steps = round(1 / step)
-    true = np.abs(np.array(rows_of(scene, steps))[1:, 1:] - truth_of_finger()).max(axis=0)
+    true = np.abs(np.array(rows_of(scene, steps))[1:, 1:] - struck_finger_in_mujoco()).max(axis=0)
     told = np.array([error.maximum for error in estimated(scene, steps).errors])
     assert np.all(told > true / 2), (told, true)
     assert np.all(told < true * 2), (told, true)

@@ -16,7 +16,7 @@ from somo_cli.analysis.stability import forecast_of, recommended_step
 from somo_cli.scene.model import Integrator, Scene
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.plan.build import make_plan
-from tests.builders.fingers import THROWN
+from tests.builders.fingers import THROWN_FINGER
 from tests.builders.runs import rows_of
 from tests.builders.scenes import scene_from_file, scene_from_text
 
@@ -61,7 +61,9 @@ SCENES = {
         "gravity=[0, 0, 0]",
     ),
     "struck hard": struck(0.1),
-    "thrown": scene_from_text(THROWN + "    actuation: [{actuator: 0, axis: 0, torque: 0.03}]\n"),
+    "thrown": scene_from_text(
+        THROWN_FINGER + "    actuation: [{actuator: 0, axis: 0, torque: 0.03}]\n"
+    ),
 }
 STEPS: dict[Integrator, tuple[float, ...]] = {
     "implicit": (1e-2, 5e-3, 2e-3, 1e-3),

@@ -15,8 +15,8 @@ from somo_cli.scene.model import Scene
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.dynamics.modal import largest_explicit_step
 from somo_cli.simulation.plan.build import make_plan
-from tests.builders.fingers import THROWN
-from tests.builders.pendulum import HINGE, INERTIA
+from tests.builders.fingers import THROWN_FINGER
+from tests.builders.pendulum import PENDULUM, PENDULUM_INERTIA
 from tests.builders.runs import rows_of
 from tests.builders.scenes import JOINTS, scene_from_file, scene_from_text
 
@@ -79,10 +79,10 @@ def test_the_explicit_step_of_a_fine_chain_goes_with_the_square_of_its_joints() 
 
 
 def test_one_hinge_has_its_frequency_and_its_ratio() -> None:
-    scene = dataclasses.replace(scene_from_text(HINGE), gravity=(0.0, 0.0, 0.0))
+    scene = dataclasses.replace(scene_from_text(PENDULUM), gravity=(0.0, 0.0, 0.0))
     found = outlook(scene)
-    omega = math.sqrt(50 / INERTIA)
-    zeta = 0.5 / (2 * math.sqrt(50 * INERTIA))
+    omega = math.sqrt(50 / PENDULUM_INERTIA)
+    zeta = 0.5 / (2 * math.sqrt(50 * PENDULUM_INERTIA))
     assert found.modes["start"].frequencies == pytest.approx([omega])
     assert found.modes["start"].damping_ratios == pytest.approx([zeta])
     # symplectic Euler: h ω = 2 (sqrt(1 + ζ²) - ζ)
@@ -90,7 +90,7 @@ def test_one_hinge_has_its_frequency_and_its_ratio() -> None:
 
 
 def test_gravity_stiffens_what_hangs_and_softens_what_stands() -> None:
-    upright = scene_from_text(HINGE, f"{JOINTS.replace('manipulators[0].definition.', '')}[0]"
+    upright = scene_from_text(PENDULUM, f"{JOINTS.replace('manipulators[0].definition.', '')}[0]"
                               ".joint_neutral_position=0")  # fmt: skip
     hanging = dataclasses.replace(
         upright,
@@ -99,9 +99,9 @@ def test_gravity_stiffens_what_hangs_and_softens_what_stands() -> None:
     weight = 1.0 * 9.81 * 0.5  # N·m/rad: 1 kg, its centre half a metre from the hinge
     for scene, sign in ((upright, -1), (hanging, 1)):
         modes = outlook(scene).modes["start"]
-        assert modes.frequencies**2 == pytest.approx([(50 + sign * weight) / INERTIA])
+        assert modes.frequencies**2 == pytest.approx([(50 + sign * weight) / PENDULUM_INERTIA])
         assert not modes.topples
-    soft = scene_from_text(HINGE.replace("spring_stiffness: 50", "spring_stiffness: 4"))
+    soft = scene_from_text(PENDULUM.replace("spring_stiffness: 50", "spring_stiffness: 4"))
     assert outlook(soft).modes["start"].topples
 
 
@@ -229,7 +229,7 @@ def test_the_explicit_limit_is_that_of_the_engine(name: str) -> None:
 
 
 def test_a_thrown_body_has_no_stiffness_of_gravity() -> None:
-    scene = scene_from_text(THROWN)
+    scene = scene_from_text(THROWN_FINGER)
     still = dataclasses.replace(scene, gravity=(0.0, 0.0, 0.0))
     first, second = (outlook(one).modes["start"].squared_frequencies for one in (scene, still))
     assert np.array_equal(first, second)

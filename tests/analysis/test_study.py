@@ -21,7 +21,7 @@ from somo_cli.analysis.study_model import Study, StudySettings
 from somo_cli.manipulator.resegmentation import NotUniform
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.engine.bullet.world import BulletWorld
-from tests.builders.pendulum import HINGE
+from tests.builders.pendulum import PENDULUM
 from tests.builders.scenes import scene_from_file, scene_from_text
 
 pytestmark = pytest.mark.slow
@@ -196,7 +196,7 @@ def test_a_scene_without_uniform_segments_is_refused() -> None:
         study_of(cantilever(sets), (2e-2,), 0.2, segments=(5,))
 
 
-PENDULUM = HINGE.replace(
+PENDULUM = PENDULUM.replace(
     "spring_stiffness: 50, spring_damping: 0.5", "spring_stiffness: 0"
 ).replace("joint_neutral_position: 0.3", "joint_neutral_position: 0")
 
@@ -217,7 +217,7 @@ def test_a_pendulum_is_compared_with_its_closed_form() -> None:
 
 
 def test_an_oscillator_is_compared_with_its_closed_form() -> None:
-    scene = scene_from_text(HINGE)
+    scene = scene_from_text(PENDULUM)
     scene = dataclasses.replace(scene, gravity=(0.0, 0.0, 0.0), reference="damped_oscillator")
     found = study_of(scene, (4e-3, 2e-3), 1.0, ("implicit", "euler", "explicit"))
     assert [case.order for case in found.cases if case.time_step == 2e-3] == pytest.approx(

@@ -21,7 +21,7 @@ from somo_cli.scene.model import Scene
 from somo_cli.simulation import run
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.build import make_plan
-from tests.builders.mujoco_reference import model_of, trajectory
+from tests.builders.mujoco_reference import mujoco_model, mujoco_trajectory
 from tests.builders.scenes import scene_from_text
 
 STEPS = (5e-3, 2e-3, 1e-3, 5e-4, 2.5e-4)
@@ -32,7 +32,7 @@ MOTIONS = {
 }
 
 
-def scene_of(torque: str) -> Scene:
+def driven_finger(torque: str) -> Scene:
     """Return the finger driven about both axes."""
     return scene_from_text(
         "manipulators:\n  - definition: finger.yaml\n    actuation:\n"
@@ -42,7 +42,7 @@ def scene_of(torque: str) -> Scene:
     )
 
 
-def truth_of(scene: Scene) -> np.ndarray:
+def driven_finger_in_mujoco(scene: Scene) -> np.ndarray:
     """Return the angles every tenth of a second, shape (10, n)."""
     chain = scene.manipulators[0].compiled.chain
     si = make_plan(dataclasses.replace(scene, scale=type(scene.scale)()))
@@ -52,7 +52,7 @@ def truth_of(scene: Scene) -> np.ndarray:
         return [signals[index].at(time) for index in range(len(chain.joints))]
 
     times = [0.1 * index for index in range(1, 11)]
-    return trajectory(model_of(chain, scene.gravity, 1e-5), torques, times)
+    return mujoco_trajectory(mujoco_model(chain, scene.gravity, 1e-5), torques, times)
 
 
 def measured(scene: Scene, repeats: int) -> tuple[np.ndarray, float]:
@@ -74,8 +74,8 @@ def main() -> None:
     arguments.add_argument("--repeats", type=int, default=5)
     options = arguments.parse_args()
     for title, torque in MOTIONS.items():
-        scene = scene_of(torque)
-        truth = truth_of(scene)
+        scene = driven_finger(torque)
+        truth = driven_finger_in_mujoco(scene)
         print(f"\n{title}\nintegrator  step [s]  error [rad]  order  time [ms]  x real time")
         for integrator in ("implicit", "euler", "explicit"):
             last, last_step = math.nan, math.nan

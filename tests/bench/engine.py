@@ -19,7 +19,7 @@ from somo_cli.simulation import run as stepping
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.model import Plan
 from tests.bench import hand
-from tests.bench.stepping import plan_of, swing
+from tests.bench.stepping import finger_plan, swing
 
 STEPS = 1000
 JOINTS = 40
@@ -29,13 +29,13 @@ Case: TypeAlias = Callable[[], float]
 """Returns the time of the engine's steps [s]."""
 
 
-def told(**parameters: float) -> Setting:
+def engine_parameters(**parameters: float) -> Setting:
     """Return a setting of the engine's parameters."""
 
-    def tell(world: BulletWorld) -> None:
+    def set_parameters(world: BulletWorld) -> None:
         world.engine.setPhysicsEngineParameter(**parameters)
 
-    return tell
+    return set_parameters
 
 
 def feeling(world: BulletWorld) -> None:
@@ -47,13 +47,15 @@ def feeling(world: BulletWorld) -> None:
 
 HAND: Mapping[str, Setting] = {
     "reaction forces of joints": feeling,
-    "solver islands of 1024 bodies": told(minimumSolverIslandSize=1024),
-    "contact breaking threshold / 10": told(contactBreakingThreshold=0.002),
-    "friction without a cone": told(enableConeFriction=0),
-    "separating axes of boxes": told(enableSAT=1),
-    "pairs in a fixed order": told(deterministicOverlappingPairs=1),
-    "200 iterations in every step": told(solverResidualThreshold=0),
-    "50 iterations, the default": told(numSolverIterations=50, solverResidualThreshold=1e-7),
+    "solver islands of 1024 bodies": engine_parameters(minimumSolverIslandSize=1024),
+    "contact breaking threshold / 10": engine_parameters(contactBreakingThreshold=0.002),
+    "friction without a cone": engine_parameters(enableConeFriction=0),
+    "separating axes of boxes": engine_parameters(enableSAT=1),
+    "pairs in a fixed order": engine_parameters(deterministicOverlappingPairs=1),
+    "200 iterations in every step": engine_parameters(solverResidualThreshold=0),
+    "50 iterations, the default": engine_parameters(
+        numSolverIterations=50, solverResidualThreshold=1e-7
+    ),
 }
 
 
@@ -119,20 +121,20 @@ def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__)
     arguments.add_argument("--rounds", type=int, default=7)
     rounds = arguments.parse_args().rounds
-    finger = plan_of(JOINTS)
+    finger = finger_plan(JOINTS)
     cases = {
         "pairs of links without shapes": swinging(
-            dataclasses.replace(finger, keeps_unused=True), told()
+            dataclasses.replace(finger, keeps_unused=True), engine_parameters()
         ),
-        "joint limits in the engine": swinging(with_limits(finger), told()),
+        "joint limits in the engine": swinging(with_limits(finger), engine_parameters()),
         "reaction forces of joints": swinging(finger, feeling),
-        "joint motors of no account": swinging(with_motors(finger), told()),
+        "joint motors of no account": swinging(with_motors(finger), engine_parameters()),
     }
-    compare(f"finger of {JOINTS} joints", swinging(finger, told()), cases, rounds)
+    compare(f"finger of {JOINTS} joints", swinging(finger, engine_parameters()), cases, rounds)
     plan = hand.plan_of_hand()
     hands = {name: grasping(plan, setting) for name, setting in HAND.items()}
-    hands["joint motors of no account"] = grasping(with_motors(plan), told())
-    compare("hand and cube", grasping(plan, told()), hands, rounds)
+    hands["joint motors of no account"] = grasping(with_motors(plan), engine_parameters())
+    compare("hand and cube", grasping(plan, engine_parameters()), hands, rounds)
 
 
 if __name__ == "__main__":

@@ -120,7 +120,7 @@ def _run(plan: Plan) -> float:
 
 def main() -> None:
     """Print a table for each body."""
-    plans = {f"{joints} joints": finger.plan_of(joints) for joints in (10, 40, 80)}
+    plans = {f"{joints} joints": finger.finger_plan(joints) for joints in (10, 40, 80)}
     plans["hand of four fingers, ten joints each, and a cube"] = hand.plan_of_hand()
     for name, plan in plans.items():
         plain, account = parts(plan)

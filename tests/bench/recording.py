@@ -28,7 +28,7 @@ from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.recording import columns, shortest_float
 from somo_cli.simulation.recording.csv_writer import CsvWriter
 from somo_cli.simulation.run import run
-from tests.bench.stepping import plan_of
+from tests.bench.stepping import finger_plan
 from tests.builders.scenes import DEFINITIONS
 
 STEPS = 4000
@@ -95,7 +95,7 @@ def megabytes_of_run(steps: int) -> float:
 
 def print_overheads(rounds: int) -> None:
     """Print what recording adds to the time of a run."""
-    whole = dataclasses.replace(plan_of(10), columns=RECORDED)
+    whole = dataclasses.replace(finger_plan(10), columns=RECORDED)
     picked = dataclasses.replace(whole, only=("*.tip.*", "*_01.angle_rad"))
     picked = dataclasses.replace(picked, columns=(*RECORDED, "tip_position"))
     bare = dataclasses.replace(whole, columns=(), every=STEPS)

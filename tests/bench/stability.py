@@ -21,7 +21,7 @@ DAMPING = (0.002, 0.01, 0.1, None)  # s: damping over stiffness; None: that of t
 STEPS = (1e-3, 5e-3, 2e-2)
 
 
-def scene_of(joints: int, stiffer: float, ratio: float | None, step: float) -> Scene:
+def finger_scene(joints: int, stiffer: float, ratio: float | None, step: float) -> Scene:
     """Return one case."""
     actuator = "actuator_definitions[0]"
     sets = [
@@ -60,7 +60,7 @@ def main() -> None:
         failed = [
             case
             for case in cases
-            if not survives(dataclasses.replace(scene_of(*case), integrator=integrator))
+            if not survives(dataclasses.replace(finger_scene(*case), integrator=integrator))
         ]
         print(f"{integrator}: {len(cases) - len(failed)} of {len(cases)} stiff cases survive")
         for case in failed if len(failed) < 20 else ():

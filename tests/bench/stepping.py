@@ -25,7 +25,7 @@ from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
 from tests.bench.classic import leave_at_defaults
-from tests.builders.mujoco_reference import model_of
+from tests.builders.mujoco_reference import mujoco_model
 from tests.builders.scenes import scene_from_file
 
 STEPS = 1000
@@ -35,7 +35,7 @@ JOINTS = (5, 10, 20, 40, 80, 120)
 CLOCK = time.process_time
 
 
-def plan_of(joints: int) -> Plan:
+def finger_plan(joints: int) -> Plan:
     """Return the plan of the bench: the shipped scene, the finger cut into so many joints.
 
     Shape, mass and bending stiffness of the whole stay the same.
@@ -126,7 +126,7 @@ def microseconds_of_mujoco(plan: Plan) -> float:
     Its integrator is `implicitfast`.
     """
     (body,) = plan.bodies
-    model = model_of(body.chain, plan.gravity, plan.time_step)
+    model = mujoco_model(body.chain, plan.gravity, plan.time_step)
     model.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     state, rows = mujoco.MjData(model), []
     drives = [(drive.signal.at, list(drive.joints)) for drive in body.drives]
@@ -170,7 +170,7 @@ def main() -> None:
     print(f"joints  {''.join(f'{name:>9}' for name in LOOPS)}  {ratios}  steps/s")
     medians: dict[str, list[float]] = {name: [] for name in LOOPS}
     for joints in options.joints:
-        plan = plan_of(joints)
+        plan = finger_plan(joints)
         rounds = [{name: loop(plan) for name, loop in LOOPS.items()} for _ in range(options.rounds)]
         for name, found in medians.items():
             found.append(statistics.median(times[name] for times in rounds))

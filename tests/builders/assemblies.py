@@ -38,6 +38,7 @@ ALONE = {"left": BEND, "right": TWIST, "mid_1": BEND}
 
 
 def assembly_of(**changes: Any) -> dict[str, Any]:
+    """Return the data of the assembly, with changes at its top level."""
     limbs = [
         {"name": name, "definition": ALONE[name], "position": list(at), "rpy": list(rpy)}
         for name, (at, rpy) in PLACES.items()

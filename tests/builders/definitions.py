@@ -20,6 +20,7 @@ SPHERE: Data = {"shape_type": "sphere", "dimensions": [0.01], "mass": 0.005}
 
 
 def hinge(*axis: float, **changes: Any) -> Data:
+    """Return a revolute joint of 0.2 N·m/rad about an axis, with changes."""
     joint = {
         "joint_type": "revolute",
         "axis": list(axis),
@@ -34,6 +35,7 @@ X, Y, Z = hinge(1, 0, 0), hinge(0, 1, 0), hinge(0, 0, 1)
 
 
 def actuator(n_segments: int, *joints: Data, link: Data = BOX, **changes: Any) -> Data:
+    """Return an actuator of so many segments whose joints take turns."""
     return {
         "n_segments": n_segments,
         "link_definition": link,
@@ -43,10 +45,12 @@ def actuator(n_segments: int, *joints: Data, link: Data = BOX, **changes: Any) -
 
 
 def manipulator(*actuators: Data, **changes: Any) -> Data:
+    """Return the definition of a manipulator called `body`."""
     return {"manipulator_name": "body", "actuator_definitions": list(actuators), **changes}
 
 
 def document_of(data: Mapping[str, Any]) -> Document:
+    """Return a definition as it is parsed from a file."""
     return parse(json.dumps(data, indent=2), "body.json")
 
 
@@ -58,6 +62,7 @@ def compiled(data: Mapping[str, Any]) -> Compiled:
 
 
 def chain_of(data: Mapping[str, Any]) -> Chain:
+    """Return the chain of a definition, which must compile without a warning."""
     return compiled(data).chain
 
 
@@ -81,5 +86,5 @@ EVERYTHING = manipulator(
 
 
 def bent(chain: Chain) -> list[float]:
-    """Return angles at which nothing is symmetric."""
+    """Return joint angles [rad] at which nothing is symmetric."""
     return [0.1 * (1 + place % 3) * (-1) ** (place // 2) for place in range(len(chain.joints))]

@@ -9,7 +9,7 @@ from somo_cli.simulation.run import RunSummary, run
 from tests.builders.fake_world import FakeWorld
 
 
-class Ended:
+class FakeRun:
     """One run, its rows and what it reported, whether it came to its end or not."""
 
     def __init__(self, plan: Plan, world: FakeWorld, steps: int) -> None:

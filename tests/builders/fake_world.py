@@ -27,10 +27,10 @@ from somo_cli.simulation.plan.model import Body, Plan
 from tests.builders.definitions import actuator, hinge, manipulator
 from tests.builders.scenes import scene_from_text
 
-INERTIA = 0.5  # kg·m²
-STIFFNESS = 20.0  # N·m/rad
-DAMPING = 0.3  # N·m·s/rad
-NEUTRAL = 0.1  # rad
+HINGE_INERTIA = 0.5  # kg·m²
+HINGE_STIFFNESS = 20.0  # N·m/rad
+HINGE_DAMPING = 0.3  # N·m·s/rad
+HINGE_NEUTRAL = 0.1  # rad
 
 
 def plan_of_hinges(count: int = 1, names: Sequence[str] = ("a",), **more: Any) -> Plan:
@@ -40,7 +40,9 @@ def plan_of_hinges(count: int = 1, names: Sequence[str] = ("a",), **more: Any) -
     """
     joint = hinge(
         1, 0, 0,
-        spring_stiffness=STIFFNESS, spring_damping=DAMPING, joint_neutral_position=NEUTRAL,
+        spring_stiffness=HINGE_STIFFNESS,
+        spring_damping=HINGE_DAMPING,
+        joint_neutral_position=HINGE_NEUTRAL,
     )  # fmt: skip
     one = {
         "definition": manipulator(actuator(count, joint)),
@@ -51,10 +53,11 @@ def plan_of_hinges(count: int = 1, names: Sequence[str] = ("a",), **more: Any) -
     return make_plan(scene_from_text(json.dumps({"manipulators": manipulators, **more})))
 
 
-def of_hinge(gravity: float = 0.0, **start: object) -> BodyEnergy:
+def energy_of_hinge(gravity: float = 0.0, **start: object) -> BodyEnergy:
+    """Return the energy of one hinge of `plan_of_hinges`, with changes of its start."""
     body = plan_of_hinges(1).bodies[0]
     body = dataclasses.replace(body, start=dataclasses.replace(body.start, **start))  # type: ignore[arg-type]
-    springs = JointSprings(np.array([STIFFNESS]), np.zeros(1), np.array([NEUTRAL]))
+    springs = JointSprings(np.array([HINGE_STIFFNESS]), np.zeros(1), np.array([HINGE_NEUTRAL]))
     return BodyEnergy(body, springs, (0.0, 0.0, -gravity))
 
 
@@ -80,13 +83,13 @@ class FakeBody:
         self.torques = np.array(torques)
 
     def step(self) -> None:
-        self.rates = self.rates + self._time_step * (self.torques + self._load) / INERTIA
+        self.rates = self.rates + self._time_step * (self.torques + self._load) / HINGE_INERTIA
         self.angles = self.angles + self._time_step * self.rates
         self.torques = np.zeros_like(self.angles)
 
     def mass_matrix(self, angles: Sequence[float]) -> np.ndarray:
         self.mass_matrices += 1
-        return INERTIA * np.eye(len(angles))
+        return HINGE_INERTIA * np.eye(len(angles))
 
     def bias(
         self,

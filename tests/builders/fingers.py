@@ -11,12 +11,12 @@ from somo_cli.manipulator import geometry
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
-from tests.builders.mujoco_reference import model_of, trajectory
+from tests.builders.mujoco_reference import mujoco_model, mujoco_trajectory
 from tests.builders.runs import rows_of
 from tests.builders.scenes import JOINTS, scene_from_text
 
 
-def finger(time_step: float, integrator: str = "implicit", **more: object) -> Scene:
+def struck_finger(time_step: float, integrator: str = "implicit", **more: object) -> Scene:
     """Return the shipped finger, struck by torques that whip it to 20 rad/s."""
     scene = scene_from_text(
         "manipulators:\n"
@@ -34,21 +34,24 @@ def finger(time_step: float, integrator: str = "implicit", **more: object) -> Sc
     return dataclasses.replace(scene, **changes)  # type: ignore[arg-type]
 
 
-def truth_of_finger() -> np.ndarray:
-    """Joint angles every 0.1 s by MuJoCo's RK4 at 1e-5 s, shape (10, 10)."""
-    scene = finger(1e-3)
+def struck_finger_in_mujoco() -> np.ndarray:
+    """Return joint angles [rad] every 0.1 s by MuJoCo's RK4 at 1e-5 s, shape (10, 10)."""
+    scene = struck_finger(1e-3)
     chain = scene.manipulators[0].compiled.chain
     torques = [0.05 if joint.channel == 0 else 0.02 for joint in chain.joints]
     times = [0.1 * index for index in range(1, 11)]
-    return trajectory(model_of(chain, scene.gravity, 1e-5), lambda time: torques, times)
+    return mujoco_trajectory(mujoco_model(chain, scene.gravity, 1e-5), lambda time: torques, times)
 
 
-def error_of_finger(reference: np.ndarray, time_step: float, integrator: str = "implicit") -> float:
-    rows = np.array(rows_of(finger(time_step, integrator), round(1 / time_step)))
+def error_of_struck_finger(
+    reference: np.ndarray, time_step: float, integrator: str = "implicit"
+) -> float:
+    """Return the largest error of a joint angle of the struck finger over one second [rad]."""
+    rows = np.array(rows_of(struck_finger(time_step, integrator), round(1 / time_step)))
     return float(np.abs(rows[1:, 1:] - reference).max())
 
 
-THROWN = (
+THROWN_FINGER = (
     "manipulators:\n"
     "  - definition: finger.yaml\n"
     "    base: free\n"
@@ -57,7 +60,6 @@ THROWN = (
     "    angular_velocity: [1.0, 2.0, -1.5]\n"
 )
 
-
 LIGHT_BASE_AND_DAMPED = (
     "manipulators[0].definition.base_definition.mass=0.03",
     f"{JOINTS}[0].spring_damping=0.001",
@@ -65,10 +67,10 @@ LIGHT_BASE_AND_DAMPED = (
 )
 
 
-def free_chain(time_step: float, integrator: str) -> Plan:
+def spinning_finger(time_step: float, integrator: str) -> Plan:
     """Return a finger thrown into space, spinning, that bends by torques of its own."""
     scene = scene_from_text(
-        THROWN + "    actuation:\n"
+        THROWN_FINGER + "    actuation:\n"
         "      - {actuator: 0, axis: 0, torque: 0.03}\n"
         "      - actuator: 0\n"
         "        axis: 1\n"
@@ -81,34 +83,34 @@ def free_chain(time_step: float, integrator: str) -> Plan:
     return make_plan(dataclasses.replace(scene, time_step=time_step, integrator=integrator))
 
 
-def thrown(step: float) -> Scene:
+def thrown_finger(step: float) -> Scene:
     """Return a finger with a free base, turned and spinning, bent by torques, under gravity."""
     scene = scene_from_text(
-        THROWN + "    actuation: [{actuator: 0, axis: 0, torque: 0.03}]\n"
+        THROWN_FINGER + "    actuation: [{actuator: 0, axis: 0, torque: 0.03}]\n"
         "record: {columns: [joint_angles, base_pose]}\n",
         *LIGHT_BASE_AND_DAMPED,
     )
     return dataclasses.replace(scene, time_step=step, every=round(0.1 / step))
 
 
-def error_of_throw(step: float) -> tuple[float, float]:
+def error_of_thrown_finger(step: float) -> tuple[float, float]:
     """Return the largest error of a joint angle [rad] and of the base's position [m]."""
-    rows = np.array(rows_of(thrown(step), round(0.5 / step)))[1:, 1:14]
-    difference = np.abs(rows - thrown_in_mujoco())
+    rows = np.array(rows_of(thrown_finger(step), round(0.5 / step)))[1:, 1:14]
+    difference = np.abs(rows - thrown_finger_in_mujoco())
     return float(difference[:, :10].max()), float(difference[:, 10:].max())
 
 
 @functools.cache
-def thrown_in_mujoco() -> np.ndarray:
+def thrown_finger_in_mujoco() -> np.ndarray:
     """Return angles [rad] and the position of the base [m] every tenth of a second."""
     import mujoco
 
-    scene = thrown(1e-3)
+    scene = thrown_finger(1e-3)
     finger_here = scene.manipulators[0]
     chain = finger_here.compiled.chain
     axes = geometry.rotation_from_rpy(finger_here.rpy)
     x, y, z, w = geometry.quaternion_from_rotation(axes)
-    model = model_of(chain, scene.gravity, 1e-5, is_free=True)
+    model = mujoco_model(chain, scene.gravity, 1e-5, is_free=True)
     state = mujoco.MjData(model)
     state.qpos[3:7] = w, x, y, z
     state.qvel[:3] = finger_here.linear_velocity

@@ -11,7 +11,6 @@ from somo_cli.manipulator import geometry
 from somo_cli.simulation import run
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.model import Plan
-from tests.builders.fingers import free_chain
 
 
 def momentum(world: BulletWorld, plan: Plan) -> tuple[np.ndarray, np.ndarray]:
@@ -35,20 +34,18 @@ def momentum(world: BulletWorld, plan: Plan) -> tuple[np.ndarray, np.ndarray]:
     return linear, angular
 
 
-def loss_of_momentum(time_step: float, integrator: str) -> tuple[float, float]:
-    """Return the change of both momenta over half a second, relative to their size."""
-    plan = free_chain(time_step, integrator)
+def loss_of_momentum(plan: Plan) -> np.ndarray:
+    """Return the change of linear and angular momentum in half a second, relative to their size."""
     with BulletWorld(plan) as world:
         before = momentum(world, plan)
-        run.run(plan, world, lambda row: None, round(0.5 / time_step), time.perf_counter)
+        run.run(plan, world, lambda row: None, round(0.5 / plan.time_step), time.perf_counter)
         after = momentum(world, plan)
-    changes = [
-        np.linalg.norm(b - a) / np.linalg.norm(a) for a, b in zip(before, after, strict=True)
-    ]
-    return float(changes[0]), float(changes[1])
+    pairs = zip(before, after, strict=True)
+    return np.array([np.linalg.norm(b - a) / np.linalg.norm(a) for a, b in pairs])
 
 
 def centre_of_mass(world: BulletWorld) -> np.ndarray:
+    """Return the centre of mass of the first body, in engine units, from the engine."""
     body: Any = world.bodies[0]
     bullet, index, client = body.engine.module, body.index, body.engine.number
     total, masses = np.zeros(3), 0.0

@@ -22,7 +22,7 @@ FLOATING = (
 
 
 def _six_joints() -> str:
-    """Return six joints in a row that can lead a base anywhere, and links between them."""
+    """Return six joints in a row that can take a base anywhere, and links between them."""
     names = ("world", "x", "y", "z", "yaw", "pitch", "base")
     kinds = ("prismatic",) * 3 + ("revolute",) * 3
     axes = ("1 0 0", "0 1 0", "0 0 1", "0 0 1", "0 1 0", "1 0 0")
@@ -35,7 +35,7 @@ def _six_joints() -> str:
                 'izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
             )
         text += (
-            f'<joint name="led_{number}" type="{kind}"><parent link="{parent}"/>'
+            f'<joint name="base_{number}" type="{kind}"><parent link="{parent}"/>'
             f'<child link="{child}"/><axis xyz="{axis}"/>'
             '<limit lower="-99" upper="99" effort="1" velocity="1"/></joint>'
         )
@@ -45,7 +45,7 @@ def _six_joints() -> str:
 SIX_JOINTS = _six_joints()
 
 
-def model_of(
+def mujoco_model(
     chain: Chain,
     gravity: Sequence[float],
     time_step: float,
@@ -86,7 +86,7 @@ def model_of(
     return model
 
 
-def trajectory(
+def mujoco_trajectory(
     model: mujoco.MjModel,
     torques: Callable[[float], Sequence[float]],
     times: Sequence[float],
@@ -107,7 +107,7 @@ def trajectory(
     return np.array(rows)
 
 
-def trajectory_under_loads(
+def mujoco_trajectory_under_loads(
     model: mujoco.MjModel, loads: Sequence[ExternalLoad], times: Sequence[float]
 ) -> np.ndarray:
     """Return qpos at the times, from rest at zero, with loads [SI] evaluated in every stage.
@@ -142,13 +142,13 @@ def trajectory_under_loads(
     return np.array(rows)
 
 
-def prescribed_trajectory(
+def mujoco_trajectory_on_prescribed_base(
     model: mujoco.MjModel, motion: PrescribedMotion, times: Sequence[float]
 ) -> np.ndarray:
     """Return joint angles at the times, shape (len(times), n), of a prescribed base at the origin.
 
     The model is one of `model_of` with six joints before those of the chain, whose motion is given;
-    the others start at rest. M q'' = forces - M_led a, by Runge and Kutta's method.
+    the others start at rest. M q'' = forces - M_base a, by Runge and Kutta's method.
     """
     path: PosePath = motion.path_from(Pose())
     signals = (*path.translation, *reversed(path.rotation))

@@ -12,7 +12,7 @@ from tests.builders.runs import rows_of
 from tests.builders.scenes import scene_from_text
 
 # One link of 0.35 kg·m² about its hinge: a box, so heavy and so long, whose far end has the mass.
-HINGE = """
+PENDULUM = """
 manipulator_name: pendulum
 actuator_definitions:
   - n_segments: 1
@@ -25,13 +25,13 @@ actuator_definitions:
          joint_neutral_position: 0.3}
 """
 
-
 # the moving half: 1 kg, 1 m long, 0.2 m wide; about its end m (w² + h²) / 12 + m h² / 4
-INERTIA = (0.2**2 + 1) / 12 + 0.25
+PENDULUM_INERTIA = (0.2**2 + 1) / 12 + 0.25
 
 
-def hinge(integrator: str, time_step: float, **more: object) -> Scene:
-    scene = scene_from_text(HINGE)
+def pendulum_scene(integrator: str, time_step: float, **more: object) -> Scene:
+    """Return the pendulum without gravity, with changes of its manipulator."""
+    scene = scene_from_text(PENDULUM)
     pendulum = dataclasses.replace(scene.manipulators[0], **more)  # type: ignore[arg-type]
     return dataclasses.replace(
         scene,
@@ -43,14 +43,17 @@ def hinge(integrator: str, time_step: float, **more: object) -> Scene:
     )
 
 
-def exact_angle(times: np.ndarray, k: float = 50.0, d: float = 0.5, q0: float = 0.3) -> np.ndarray:
-    """Return the angle of I q'' + d q' + k (q - q0) = 0 from rest at zero."""
-    decay = d / (2 * INERTIA)
-    omega = math.sqrt(k / INERTIA - decay**2)
+def pendulum_angle(
+    times: np.ndarray, k: float = 50.0, d: float = 0.5, q0: float = 0.3
+) -> np.ndarray:
+    """Return the angle [rad] of I q'' + d q' + k (q - q0) = 0 from rest at zero."""
+    decay = d / (2 * PENDULUM_INERTIA)
+    omega = math.sqrt(k / PENDULUM_INERTIA - decay**2)
     wave = np.cos(omega * times) + decay / omega * np.sin(omega * times)
     return q0 - q0 * np.exp(-decay * times) * wave
 
 
-def error_of_hinge(integrator: str, time_step: float) -> float:
-    rows = np.array(rows_of(hinge(integrator, time_step), round(1 / time_step)))
-    return float(np.abs(rows[:, 1] - exact_angle(rows[:, 0])).max())
+def error_of_pendulum(integrator: str, time_step: float) -> float:
+    """Return the largest error of the angle over one second [rad]."""
+    rows = np.array(rows_of(pendulum_scene(integrator, time_step), round(1 / time_step)))
+    return float(np.abs(rows[:, 1] - pendulum_angle(rows[:, 0])).max())

@@ -10,16 +10,17 @@ from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
 from tests.builders.scenes import scene_from_text
 
-ALL: tuple[Quantity, ...] = get_args(Quantity)
+QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
 
 
-def plan_of(definition: object, *quantities: Quantity, **more: Any) -> Plan:
+def plan_that_records(definition: object, *quantities: Quantity, **more: Any) -> Plan:
+    """Return a plan of one manipulator `a` that records these; `one` goes into the manipulator."""
     one = {"name": "a", "definition": definition, **more.pop("one", {})}
     record = {"columns": quantities}
     return make_plan(scene_from_text(json.dumps({"manipulators": [one], "record": record, **more})))
 
 
-NAMES: dict[Quantity, list[str]] = {
+COLUMN_NAMES: dict[Quantity, list[str]] = {
     "joint_angles": [
         "actuator_0_joint_01.angle_rad",
         "actuator_0_joint_02.angle_rad",

@@ -8,16 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from somo_cli.document.parse import parse
 from somo_cli.scene import columns
-from somo_cli.scene.checks import scene as scene_checks
 from somo_cli.simulation.plan.build import make_plan
 from tests.builders.definitions import Data, X, actuator, manipulator
 from tests.builders.runs import rows_of
+from tests.builders.scene_problems import messages_of
 from tests.builders.scenes import scene_from_text
 
 G = 9.81  # m/s²
-
 
 CUBE: Data = {
     "name": "cube",
@@ -28,12 +26,9 @@ CUBE: Data = {
     "friction": 0.5,
 }
 
-
 BALL: Data = {"name": "ball", "shape_type": "sphere", "dimensions": [0.02], "mass": 0.05}
 
-
 PILL: Data = {"name": "pill", "shape_type": "capsule", "dimensions": [0.06, 0.01], "density": 1000}
-
 
 ROUNDED_CUBE: Data = {
     "name": "cube",
@@ -43,18 +38,17 @@ ROUNDED_CUBE: Data = {
     "mass": 0.1,
 }
 
-
 PARTS = ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw", "fx_n", "fy_n", "fz_n", "normal_n")
 
 
-def scene_of(*objects: Data, **of_scene: Any) -> Data:
+def scene_of_objects(*objects: Data, **of_scene: Any) -> Data:
     """Return a scene of objects, and one manipulator that is far away."""
     one = {"definition": manipulator(actuator(1, X), world_scale=20), "position": [9, 9, 9]}
     record = {"every": 10, "columns": [], "objects": ["pose", "contact_force"]}
     return {"manipulators": [one], "objects": list(objects), "record": record, **of_scene}
 
 
-def run(data: Data, time: float) -> dict[str, dict[str, np.ndarray]]:
+def object_columns(data: Data, time: float) -> dict[str, dict[str, np.ndarray]]:
     """Return the columns of every object by its name, and the times as `t` of each."""
     pytest.importorskip("pybullet")
     scene = scene_from_text(json.dumps(data))
@@ -68,9 +62,9 @@ def run(data: Data, time: float) -> dict[str, dict[str, np.ndarray]]:
     return found
 
 
-def told(*objects: Data, **of_scene: Any) -> list[str]:
-    data = scene_of(*objects, **of_scene)
-    return [one.message for one in scene_checks.scene_problems(parse(json.dumps(data), "a.json"))]
+def object_problems(*objects: Data, **of_scene: Any) -> list[str]:
+    """Return the messages of all problems of a scene of objects."""
+    return messages_of(scene_of_objects(*objects, **of_scene))
 
 
 SCALES = pytest.mark.parametrize("scale", [1, 20])

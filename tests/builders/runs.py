@@ -41,19 +41,25 @@ def simulated(scene_or_plan: Scene | Plan, steps: int) -> tuple[list[list[float]
     return rows, summary
 
 
+def columns_of(scene_or_plan: Scene | Plan, steps: int) -> dict[str, Array]:
+    """Simulate and return the recorded columns by name, each of shape (rows,)."""
+    plan = scene_or_plan if isinstance(scene_or_plan, Plan) else make_plan(scene_or_plan)
+    rows = np.array(rows_of(plan, steps))
+    return dict(zip(columns.header(plan.recorded), rows.T, strict=True))
+
+
 def in_turn(rows: Sequence[Sequence[float]]) -> Callable[[int], Array]:
     """Return a function that gives the next so many rows."""
     left = iter(rows)
     return lambda count: np.array(list(itertools.islice(left, count)))
 
 
-def table(data: Data, steps: int, **record: Any) -> dict[str, np.ndarray]:
-    """Return the columns of a run by name."""
+def recorded_columns(data: Data, steps: int, **record: Any) -> dict[str, np.ndarray]:
+    """Simulate a scene given as data, recording these, and return its columns by name."""
     pytest.importorskip("pybullet")
-    scene = scene_from_text(json.dumps({**data, "record": record}))
-    names = columns.header(make_plan(scene).recorded)
-    return dict(zip(names, np.array(rows_of(scene, steps)).T, strict=True))
+    return columns_of(scene_from_text(json.dumps({**data, "record": record})), steps)
 
 
-def vectors(found: dict[str, np.ndarray], *names: str) -> np.ndarray:
+def stacked_columns(found: dict[str, np.ndarray], *names: str) -> np.ndarray:
+    """Return some columns side by side, shape (rows, names)."""
     return np.stack([found[name] for name in names], axis=1)

@@ -34,5 +34,6 @@ def in_bullet(text: str) -> Iterator[tuple[Any, int, int]]:
 
 
 def bullet_mass_matrix(chain: Chain, angles: list[float]) -> np.ndarray:
+    """Return the joint-space inertia [kg·m²] that PyBullet computes, the base held."""
     with in_bullet(render(chain)) as (bullet, client, body):
         return np.array(bullet.calculateMassMatrix(body, angles, physicsClientId=client))

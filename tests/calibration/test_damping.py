@@ -18,7 +18,7 @@ from tests.builders.runs import rows_of
 from tests.builders.scenes import scene_from_file, scene_from_text
 
 
-def plan_of(*actuators: Data, **of_scene: Any) -> Plan:
+def plan_of_actuators(*actuators: Data, **of_scene: Any) -> Plan:
     data = {"gravity": [0, 0, 0], "manipulators": [{"definition": manipulator(*actuators)}]}
     return make_plan(scene_from_text(json.dumps({**data, **of_scene})))
 
@@ -38,7 +38,7 @@ def test_a_mode_that_two_axes_share_counts_its_own() -> None:
     # hinges off the centre couple bending and torsion
     bend = hinge(1, 0, 0, neutral_axis_offset=[0.01, 0, 0, 0, 0, 0])
     joints = bend, hinge(0, 0, 1, spring_stiffness=0.01)
-    plain = plan_of(actuator(6, *joints))
+    plain = plan_of_actuators(actuator(6, *joints))
     for axis in (0, 1):
         mode = lowest_mode(plain, 0, 0, axis)
         seconds = 0.07 * mode.per_ratio
@@ -46,25 +46,28 @@ def test_a_mode_that_two_axes_share_counts_its_own() -> None:
             one | {"spring_damping": seconds * one["spring_stiffness"] if n == axis else 0}
             for n, one in enumerate(joints)
         ]
-        again = lowest_mode(plan_of(actuator(6, *damped)), 0, 0, axis)
+        again = lowest_mode(plan_of_actuators(actuator(6, *damped)), 0, 0, axis)
         assert again.ratio == pytest.approx(0.07, rel=1e-9)
 
 
 def test_gravity_softens_what_stands_and_may_topple_it() -> None:
     one = actuator(4, X, Y)
-    standing = plan_of(one, gravity=[0, 0, -9.81])
-    assert lowest_mode(standing, 0, 0, 0).frequency < lowest_mode(plan_of(one), 0, 0, 0).frequency
+    standing = plan_of_actuators(one, gravity=[0, 0, -9.81])
+    assert (
+        lowest_mode(standing, 0, 0, 0).frequency
+        < lowest_mode(plan_of_actuators(one), 0, 0, 0).frequency
+    )
     with pytest.raises(NoMode, match="gravity topples it"):
-        lowest_mode(plan_of(one, gravity=[0, 0, -9810.0]), 0, 0, 0)
+        lowest_mode(plan_of_actuators(one, gravity=[0, 0, -9810.0]), 0, 0, 0)
 
 
 def test_of_several_actuators_the_others_are_locked() -> None:
-    three = plan_of(actuator(4, X, Y), actuator(4, X, Y), actuator(4, X, Y))
+    three = plan_of_actuators(actuator(4, X, Y), actuator(4, X, Y), actuator(4, X, Y))
     found = lowest_mode(three, 0, 1, 0)
     assert found.is_alone
     # the same with the others so stiff that they do not move
     stiff = [hinge(*axis, spring_stiffness=1e6) for axis in ((1, 0, 0), (0, 1, 0))]
-    alone = plan_of(actuator(4, *stiff), actuator(4, X, stiff[1]), actuator(4, *stiff))
+    alone = plan_of_actuators(actuator(4, *stiff), actuator(4, X, stiff[1]), actuator(4, *stiff))
     assert found.frequency == pytest.approx(lowest_mode(alone, 0, 1, 0).frequency, rel=1e-4)
     assert found.per_ratio == pytest.approx(2 / found.frequency)
     assert found.ratio == pytest.approx(found.seconds / found.per_ratio)
@@ -73,14 +76,14 @@ def test_of_several_actuators_the_others_are_locked() -> None:
 def test_without_springs_there_is_no_mode() -> None:
     limp = hinge(1, 0, 0, spring_stiffness=0)
     with pytest.raises(NoMode, match="no spring_stiffness"):
-        lowest_mode(plan_of(actuator(2, limp, Y)), 0, 0, 0)
+        lowest_mode(plan_of_actuators(actuator(2, limp, Y)), 0, 0, 0)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("ratio", [0.02, 0.2])
 def test_a_simulated_finger_rings_down_with_its_damping_ratio(ratio: float) -> None:
     pytest.importorskip("pybullet")
-    bare = plan_of(actuator(8, X, Y))
+    bare = plan_of_actuators(actuator(8, X, Y))
     mode = lowest_mode(bare, 0, 0, 0)
     joint = X | {"spring_damping": ratio * mode.per_ratio * X["spring_stiffness"]}
     body = {"definition": manipulator(actuator(8, joint, Y | {"spring_damping": 0.01}))}

@@ -15,12 +15,12 @@ from tests.truth.fitted import (
     GUESS,
     TIP,
     TRUTH,
+    driven_finger,
     fitted,
     halves,
     noisy,
+    noisy_table,
     off,
-    recorded,
-    scene_of,
 )
 
 pytestmark = pytest.mark.slow
@@ -29,7 +29,7 @@ pytestmark = pytest.mark.slow
 def test_a_fit_recovers_stiffness_damping_and_gain() -> None:
     pytest.importorskip("pybullet")
     whole, *half = halves(noisy()).values()
-    found, measured = fitted(scene_of(**GUESS), whole)
+    found, measured = fitted(driven_finger(**GUESS), whole)
     assert len(found.parameters) == 6
     assert max(map(abs, off(found).values())) < 0.01
     assert found.residual_rms == pytest.approx(1e-4, rel=0.2)
@@ -39,16 +39,16 @@ def test_a_fit_recovers_stiffness_damping_and_gain() -> None:
     assert list(fit_diagnostics(found, measured.scatter)) == []
     # and from half of the data to three per cent
     for text in half:
-        again, _ = fitted(scene_of(**GUESS), text)
+        again, _ = fitted(driven_finger(**GUESS), text)
         assert max(map(abs, off(again).values())) < 0.03
 
 
 def test_the_intervals_hold_the_truth_as_often_as_they_say() -> None:
     pytest.importorskip("pybullet")
-    exact = scene_of()
+    exact = driven_finger()
     hits, draws = 0, 15
     for seed in range(draws):
-        text = recorded(exact, 300, TIP[:2], noise=3e-4, seed=seed)
+        text = noisy_table(exact, 300, TIP[:2], noise=3e-4, seed=seed)
         found, _ = fitted(exact, text, ("stiffness",))
         hits += int((np.abs(found.values - (0.1, 0.3)) < found.errors).sum())
     assert hits >= 0.83 * 2 * draws
@@ -57,10 +57,10 @@ def test_the_intervals_hold_the_truth_as_often_as_they_say() -> None:
 
 def test_angles_and_positions_are_weighed_by_their_scatter() -> None:
     pytest.importorskip("pybullet")
-    scene = scene_of()
+    scene = driven_finger()
     names = (*TIP, "actuator_0_joint_01.angle_rad", "actuator_0_joint_04.angle_rad")
-    text = recorded(scene, 600, names, noise=1e-4)
-    found, measured = fitted(scene_of(stiffness=(0.13, 0.25)), text, ("stiffness",))
+    text = noisy_table(scene, 600, names, noise=1e-4)
+    found, measured = fitted(driven_finger(stiffness=(0.13, 0.25)), text, ("stiffness",))
     assert measured.quantities == ("joint_angles", "tip_position")
     assert found.values == pytest.approx([0.1, 0.3], rel=0.002)
 
@@ -69,8 +69,8 @@ def test_slow_motion_does_not_distinguish_stiffness_from_gain() -> None:
     pytest.importorskip("pybullet")
     # twenty times slower than the pulses, and damped so that nothing swings
     slow = {"gravity": [0, 0, 0], "time_step": 1e-2, "stretch": 20}
-    scene = scene_of(damping=(4e-3, 12e-3), **slow)
-    text = recorded(scene, 800, TIP, noise=5e-4)
+    scene = driven_finger(damping=(4e-3, 12e-3), **slow)
+    text = noisy_table(scene, 800, TIP, noise=5e-4)
     found, measured = fitted(scene, text, ("stiffness", "gain"))
     said = list(fit_diagnostics(found, measured.scatter))
     assert any(
@@ -83,45 +83,47 @@ def test_slow_motion_does_not_distinguish_stiffness_from_gain() -> None:
 
 def test_a_parameter_without_effect_keeps_its_guess() -> None:
     pytest.importorskip("pybullet")
-    still = scene_of(gravity=[0, 0, 0])
+    still = driven_finger(gravity=[0, 0, 0])
     one = still.manipulators[0]
     entry = one.actuation[0]
     half = dataclasses.replace(still, manipulators=(dataclasses.replace(one, actuation=(entry,)),))
-    text = recorded(half, 400, TIP[1:], noise=1e-4)
+    text = noisy_table(half, 400, TIP[1:], noise=1e-4)
     found, measured = fitted(half, text, ("stiffness",))
     assert [one.name for one in found.insensitive] == ["stiffness of actuator 0, axis 1"]
     assert next(fit_diagnostics(found, measured.scatter)) == (
         "the data do not depend on the stiffness of actuator 0, axis 1, which stays at 0.3"
     )
-    nowhere = recorded(half, 200, ("tip.x_m",), noise=1e-4)
+    nowhere = noisy_table(half, 200, ("tip.x_m",), noise=1e-4)
     with pytest.raises(NothingToFit, match="depends on the parameters"):
         fitted(half, nowhere, ("stiffness",))
 
 
 def test_a_model_that_does_not_follow_is_reported() -> None:
     pytest.importorskip("pybullet")
-    text = recorded(scene_of(gravity=[3, 0, -9.81]), 500, TIP, noise=1e-4)
-    found, measured = fitted(scene_of(), text, ("stiffness",))
+    text = noisy_table(driven_finger(gravity=[3, 0, -9.81]), 500, TIP, noise=1e-4)
+    found, measured = fitted(driven_finger(), text, ("stiffness",))
     assert found.autocorrelation > 0.9
     assert "the residuals are not noise" in list(fit_diagnostics(found, measured.scatter))[-1]
 
 
 def test_times_may_lie_between_the_steps() -> None:
     pytest.importorskip("pybullet")
-    exact = recorded(scene_of(record={"every": 1}), 400, TIP)
+    exact = noisy_table(driven_finger(record={"every": 1}), 400, TIP)
     header, *rows = exact.split("\n")
     times = [float(row.split(",")[0]) for row in rows]
     table = np.array([[float(cell) for cell in row.split(",")] for row in rows])
     asked = np.array(times[3:-3:7]) + 0.37e-3
     between = [np.interp(asked, table[:, 0], table[:, column]) for column in (1, 2, 3)]
     lines = [",".join(map(repr, map(float, row))) for row in zip(asked, *between, strict=True)]
-    found, _ = fitted(scene_of(stiffness=(0.12, 0.3)), "\n".join([header, *lines]), ("stiffness",))
+    found, _ = fitted(
+        driven_finger(stiffness=(0.12, 0.3)), "\n".join([header, *lines]), ("stiffness",)
+    )
     # what was asked for was read off straight lines between steps of 1 ms
     assert found.values == pytest.approx([0.1, 0.3], rel=1e-4)
 
 
 def test_parameters_start_at_what_the_scene_says() -> None:
-    known = list(parameters(scene_of().manipulators[0], PARAMETER_KINDS))
+    known = list(parameters(driven_finger().manipulators[0], PARAMETER_KINDS))
     assert [(one.kind, one.axis, one.guess) for one in known] == [
         ("stiffness", 0, 0.1),
         ("damping", 0, 4e-4),
@@ -130,12 +132,12 @@ def test_parameters_start_at_what_the_scene_says() -> None:
         ("damping", 1, 6e-4),
         ("gain", 1, 1.0),
     ]
-    undamped = scene_of(damping=(0, 6e-4)).manipulators[0]
+    undamped = driven_finger(damping=(0, 6e-4)).manipulators[0]
     assert [one.axis for one in parameters(undamped, ("damping",))] == [1]
 
 
 def test_changed_scenes_have_their_factors() -> None:
-    scene = scene_of()
+    scene = driven_finger()
     known = list(parameters(scene.manipulators[0], PARAMETER_KINDS))
     (one,) = with_factors(scene, known, [np.log(2), 0, 0.5, 0, np.log(3), 0]).manipulators
     first, second = one.compiled.chain.joints[:2]

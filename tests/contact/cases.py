@@ -64,7 +64,7 @@ def box(name: str, size: Sequence[float], position: Sequence[float], **changes: 
     return data | {"position": list(position), "friction": 1.0} | changes
 
 
-def scene_of(fingers: Sequence[Data], objects: Sequence[Data] = (), **changes: Any) -> Data:
+def case_scene(fingers: Sequence[Data], objects: Sequence[Data] = (), **changes: Any) -> Data:
     """Return a scene that records what figures are read from."""
     record = {"objects": ["pose"] if objects else []}
     return {"manipulators": list(fingers), "objects": list(objects), "record": record} | changes
@@ -106,7 +106,7 @@ def wall_struck(speed: str, torque: float) -> Case:
     return Case(
         f"wall struck, {speed}",
         "impulse on the wall [N s]",
-        scene_of([finger("finger", torque)], [wall], gravity=[0, 0, 0]),
+        case_scene([finger("finger", torque)], [wall], gravity=[0, 0, 0]),
         0.4,
         impulse("finger.contact.normal_n"),
     )
@@ -119,7 +119,7 @@ def block_struck(speed: str, torque: float) -> Case:
     return Case(
         f"block struck, {speed}",
         "way of the block [m]",
-        scene_of([finger("finger", torque)], [block], gravity=[0, 0, 0]),
+        case_scene([finger("finger", torque)], [block], gravity=[0, 0, 0]),
         0.3,
         at_end("block.pose.y_m"),
     )
@@ -148,7 +148,7 @@ def held(mass: float, count: int, torque: float) -> Case:
     return Case(
         f"cube of {1e3 * mass:g} g, {count} fingers",
         "grip force [N]",
-        scene_of(fingers, [cube, support], ground={"height": -half - 0.02, "friction": 0}),
+        case_scene(fingers, [cube, support], ground={"height": -half - 0.02, "friction": 0}),
         0.8,
         mean_of_last("finger_0.contact.normal_n", 0.2),
         finest=2.5e-5,
@@ -161,7 +161,7 @@ def blocked(torque: float = 0.005) -> Case:
     return Case(
         "blocked force",
         "force on the wall [N]",
-        scene_of([finger("finger", [[0, 0], [0.1, torque]])], [wall], gravity=[0, 0, 0]),
+        case_scene([finger("finger", [[0, 0], [0.1, torque]])], [wall], gravity=[0, 0, 0]),
         1.5,
         at_end("finger.contact.normal_n"),
     )
@@ -174,7 +174,7 @@ def dragged() -> Case:
     return Case(
         "dragged over the ground",
         "impulse on the ground [N s]",
-        scene_of([one], ground={"friction": 0.6}),
+        case_scene([one], ground={"friction": 0.6}),
         1.0,
         impulse("finger.contact.normal_n"),
     )
@@ -194,7 +194,7 @@ def snake() -> Case:
     return Case(
         "snake on the ground",
         "how far its base got along y [m]",
-        scene_of([one], ground={"friction": 0.6}),
+        case_scene([one], ground={"friction": 0.6}),
         0.3,
         at_end("snake.base_pose.y_m"),
         finest=5e-5,  # it diverges at 2e-4
@@ -215,7 +215,7 @@ def curled() -> Case:
     return Case(
         "curled onto its base",
         "how far its joints have turned together [rad]",
-        scene_of([one], gravity=[0, 0, 0]),
+        case_scene([one], gravity=[0, 0, 0]),
         1.0,
         lambda table: float(
             sum(values[-1] for name, values in table.items() if name.endswith(".angle_rad"))
@@ -232,7 +232,7 @@ def dropped() -> Case:
     return Case(
         "finger dropped",
         "impulse on the ground [N s]",
-        scene_of([one], ground={"friction": 0.6}),
+        case_scene([one], ground={"friction": 0.6}),
         0.4,
         impulse("finger.contact.normal_n"),
         is_passive=True,
@@ -247,7 +247,7 @@ def toppled() -> Case:
     return Case(
         "finger sinks to the ground",
         "impulse on the ground [N s]",
-        scene_of([one], ground={"friction": 0}),
+        case_scene([one], ground={"friction": 0}),
         0.6,
         impulse("finger.contact.normal_n"),
         is_passive=True,

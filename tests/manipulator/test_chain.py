@@ -28,7 +28,7 @@ from tests.builders.definitions import (
     hinge,
     manipulator,
 )
-from tests.builders.mujoco_reference import model_of
+from tests.builders.mujoco_reference import mujoco_model
 from tests.builders.urdf_in_bullet import bullet_mass_matrix
 
 FIXED: Data = {"joint_type": "fixed"}
@@ -302,7 +302,7 @@ def test_mujoco_finds_the_same_mass_and_centre() -> None:
 def test_mujoco_and_bullet_feel_the_same_inertia(data: Data) -> None:
     chain = chain_of(data)
     angles = bent(chain)
-    model = model_of(chain, (0, 0, 0), 1e-3)
+    model = mujoco_model(chain, (0, 0, 0), 1e-3)
     state = mujoco.MjData(model)
     state.qpos[:] = angles
     mujoco.mj_forward(model, state)

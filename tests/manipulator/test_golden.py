@@ -35,7 +35,7 @@ ROOT = Path(__file__).parents[2]
 GOLDEN = ROOT / "tests" / "golden"
 
 
-def document_of(path: Path) -> Document:
+def document_of_file(path: Path) -> Document:
     document = parse(path.read_text("utf-8"), str(path))
     if isinstance(document.data, dict) and "manipulators" in document.data:
         return document
@@ -44,14 +44,14 @@ def document_of(path: Path) -> Document:
     return whole
 
 
-DOCUMENTS = {path.stem: document_of(path) for path in sorted(ROOT.glob("definitions/*.yaml"))}
+DOCUMENTS = {path.stem: document_of_file(path) for path in sorted(ROOT.glob("definitions/*.yaml"))}
 DEFINITIONS = sorted(name for name, it in DOCUMENTS.items() if "manipulators" not in it.data)
 ASSEMBLIES = [name for name in DEFINITIONS if "limbs" in DOCUMENTS[name].data]
 SCHEMAS = sorted(path.name for path in ROOT.glob("schemas/*.json"))
 
 
 @cache
-def compiled(name: str) -> Compiled:
+def compiled_file(name: str) -> Compiled:
     return compiler.compile_definition(DOCUMENTS[name])
 
 
@@ -66,7 +66,7 @@ def golden(name: str) -> str:
 
 
 def test_the_bytes(name: str, rewrite_golden: bool) -> None:
-    path, text = GOLDEN / f"{name}.urdf", compiled(name).urdf()
+    path, text = GOLDEN / f"{name}.urdf", compiled_file(name).urdf()
     if rewrite_golden:
         path.parent.mkdir(exist_ok=True)
         path.write_bytes(text.encode())
@@ -81,7 +81,7 @@ def test_no_golden_file_is_left_over(rewrite_golden: bool) -> None:
 
 
 def test_our_own_definitions_give_no_warning(name: str) -> None:
-    assert compiled(name).warnings == ()
+    assert compiled_file(name).warnings == ()
 
 
 @pytest.mark.parametrize("path", sorted(ROOT.glob("definitions/*.yaml")), ids=lambda p: p.stem)
@@ -101,20 +101,20 @@ def test_it_is_well_formed(golden: str) -> None:
 
 
 def test_yourdfpy_reads_what_was_meant(name: str, golden: str) -> None:
-    require_equal(golden, compiled(name).scaled_chain(compiled(name).scale or Scale()))
+    require_equal(golden, compiled_file(name).scaled_chain(compiled_file(name).scale or Scale()))
     robot = yourdfpy.URDF.load(io.BytesIO(golden.encode()), build_scene_graph=False)
     assert robot.validate()
     assert robot.errors == []
 
 
 def test_pybullet_loads_it(name: str, golden: str) -> None:
-    chain = compiled(name).chain
+    chain = compiled_file(name).chain
     with in_bullet(golden) as (bullet, client, body):
         assert bullet.getNumJoints(body, physicsClientId=client) == len(chain.joints)
 
 
 def test_mujoco_loads_it(name: str, golden: str) -> None:
-    chain = compiled(name).chain
+    chain = compiled_file(name).chain
     model = mujoco.MjModel.from_xml_string(golden)
     assert model.njnt == len(chain.joints)
     mass = sum(link.inertial.mass for link in chain.links[1:])
@@ -138,11 +138,11 @@ def check_urdf() -> str | None:
 @pytest.mark.parametrize("tip_frame", [None, "tip"])
 def test_check_urdf_has_nothing_to_say(name: str, tip_frame: str | None, tmp_path: Path) -> None:
     path = tmp_path / f"{name}.urdf"
-    path.write_text(compiled(name).urdf(tip_frame=tip_frame), "utf-8")
+    path.write_text(compiled_file(name).urdf(tip_frame=tip_frame), "utf-8")
     command = [str(check_urdf()), str(path)]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
     assert (done.returncode, done.stderr) == (0, "")
-    chain = compiled(name).chain
+    chain = compiled_file(name).chain
     links = [link.name for link in chain.links]
     if tip_frame is not None:
         links += [f"{limb.prefix}{tip_frame}" for limb in chain.backbones]

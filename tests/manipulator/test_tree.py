@@ -25,7 +25,7 @@ from tests.builders.definitions import (
     document_of,
     manipulator,
 )
-from tests.builders.mujoco_reference import model_of
+from tests.builders.mujoco_reference import mujoco_model
 from tests.builders.urdf_in_bullet import bullet_mass_matrix
 
 
@@ -144,7 +144,7 @@ def test_the_masses_in_motion_are_those_of_pybullet_and_mujoco(whole: Compiled) 
     chain = whole.chain
     angles = angles_of(chain)
     own = ChainDynamics(chain).at(angles).joint_inertia()
-    model = model_of(chain, (0, 0, 0), 1e-3)
+    model = mujoco_model(chain, (0, 0, 0), 1e-3)
     state = mujoco.MjData(model)
     state.qpos[:] = angles
     mujoco.mj_forward(model, state)

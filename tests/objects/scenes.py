@@ -4,14 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
-from somo_cli.arrays import Array
 from somo_cli.loading import load, scene_of
 from somo_cli.problems import InvalidFile, Problem
 from somo_cli.scene.model import Scene
-from somo_cli.simulation.plan.build import make_plan
-from tests.builders.runs import rows_of
 
 INPUTS = Path(__file__).parent / "inputs"
 
@@ -27,12 +22,3 @@ def problems(name: str, *sets: str) -> tuple[Problem, ...]:
         return scene_of(load(str(INPUTS / name), sets))[1]
     except InvalidFile as error:
         return tuple(error.problems)
-
-
-def columns(found: Scene, steps: int) -> dict[str, Array]:
-    """Simulate and return every column by its name."""
-    plan = make_plan(found)
-    from somo_cli.scene.columns import header
-
-    rows = np.array(rows_of(plan, steps))
-    return dict(zip(header(plan.recorded), rows.T, strict=True))

@@ -15,11 +15,12 @@ from somo_cli.scene.object_shapes import object_link
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan_report import explain
 from tests import public_objects
-from tests.objects.scenes import INPUTS, columns, problems, scene
+from tests.builders.runs import columns_of
+from tests.objects.scenes import INPUTS, problems, scene
 
 
 def test_a_part_of_one_knot_at_time_zero_takes_no_time() -> None:
-    found = columns(scene("scene_t.yaml"), 400)
+    found = columns_of(scene("scene_t.yaml"), 400)
     assert found["time_s"][-1] == 2.0
     assert found["f.actuator_0_axis_0.torque_nm"] == pytest.approx([1, 1.5, 2, 1.5, 1])
 
@@ -28,13 +29,13 @@ def test_a_part_of_one_knot_at_time_zero_takes_no_time() -> None:
 def test_a_cube_on_edge_falls_flat(name: str) -> None:
     # the moments of `little` are impossible by what rounding to three digits makes
     assert problems(f"{name}.yaml") == ()
-    found = columns(scene(f"{name}.yaml"), 2000)
+    found = columns_of(scene(f"{name}.yaml"), 2000)
     assert found["cube.angles.x_rad"][-1] == pytest.approx(-0.6, abs=1e-6)
     assert found["cube.pose.z_m"][-1] == pytest.approx(0.5, abs=2e-5)
 
 
 def test_a_turned_disc_spins_when_it_is_struck() -> None:
-    found = columns(scene("disc_turned.yaml"), 1000)
+    found = columns_of(scene("disc_turned.yaml"), 1000)
     spin = np.array([found[f"plate.spin.{axis}_rad_per_s"] for axis in "xyz"])
     assert np.linalg.norm(spin[:, -1]) > 0.5
     # the ball is not turned by a plane without friction at its centre, so the strike is known
@@ -101,14 +102,14 @@ def test_a_rounded_plate_gets_the_nearest_inertia_that_a_body_has() -> None:
 @pytest.mark.parametrize("name", ["trough_urdf.yaml", "trough_mesh.yaml", "trough_fixed.yaml"])
 def test_every_named_part_is_convex_by_itself(name: str) -> None:
     assert problems(name) == ()
-    found = columns(scene(name), 3000)
+    found = columns_of(scene(name), 3000)
     assert found["ball.pose.z_m"][-1] == pytest.approx(0.3, abs=1e-3)
 
 
 def test_one_hull_around_all_parts_is_had_for_the_asking_and_told() -> None:
     (warning,) = problems("trough_mesh.yaml", "objects[0].hulls=one")
     assert "touched as its convex hull, which has 257 % more volume" in warning.message
-    found = columns(scene("trough_mesh.yaml", "objects[0].hulls=one"), 1500)
+    found = columns_of(scene("trough_mesh.yaml", "objects[0].hulls=one"), 1500)
     assert found["ball.pose.z_m"][-1] == pytest.approx(1.2, abs=1e-3)
 
 
@@ -136,7 +137,7 @@ def test_sizes_and_masses_have_the_bounds_of_other_numbers() -> None:
 
 
 def test_a_marker_is_recorded_and_touches_nothing() -> None:
-    found = columns(scene("marker.yaml"), 1000)
+    found = columns_of(scene("marker.yaml"), 1000)
     assert found["goal.pose.z_m"][-1] == pytest.approx(0.3)
     assert found["ball.pose.z_m"][-1] == pytest.approx(0.05, abs=1e-3)
     time = found["time_s"][-1]
@@ -155,7 +156,7 @@ def test_pieces_of_a_decomposed_mesh_are_touched_and_always_the_same() -> None:
     (first, _), (second, _) = (scene("trough_mesh.yaml", *sets).objects for _ in range(2))
     assert first.chain == second.chain
     assert len(first.chain.links[0].shapes) > 1
-    found = columns(scene("trough_mesh.yaml", *sets), 3000)
+    found = columns_of(scene("trough_mesh.yaml", *sets), 3000)
     assert found["ball.pose.z_m"][-1] == pytest.approx(0.3, abs=0.01)
 
 
@@ -181,9 +182,9 @@ def test_as_many_parts_as_it_takes() -> None:
     )
     found = scene("trough_mesh.yaml", *sets)
     assert len(found.objects[0].chain.links[0].shapes) == 40
-    assert columns(found, 300)["ball.pose.z_m"][-1] == pytest.approx(0.15, abs=1e-3)
+    assert columns_of(found, 300)["ball.pose.z_m"][-1] == pytest.approx(0.15, abs=1e-3)
     aside = scene("trough_mesh.yaml", *sets[:2], "objects[1].position=[7.7, 0, 0.16]")
-    assert columns(aside, 300)["ball.pose.z_m"][-1] < 0.14
+    assert columns_of(aside, 300)["ball.pose.z_m"][-1] < 0.14
 
 
 def test_volume_of_what_is_left_is_the_same() -> None:

@@ -10,27 +10,27 @@ from somo_cli.scene import columns
 from somo_cli.scene.model import Quantity
 from somo_cli.simulation.plan.build import make_plan
 from tests.builders.definitions import EVERYTHING, X, Y, actuator, manipulator
-from tests.builders.recorded_columns import ALL, NAMES, plan_of
+from tests.builders.recorded_columns import COLUMN_NAMES, QUANTITIES, plan_that_records
 from tests.builders.scenes import scene_from_text
 
 SMALL = manipulator(actuator(2, X, Y), actuator(1, X))
 
 
-@pytest.mark.parametrize("quantity", ALL)
+@pytest.mark.parametrize("quantity", QUANTITIES)
 def test_the_names_of_a_quantity(quantity: Quantity) -> None:
-    expected = ["time_s", *(f"a.{name}" for name in NAMES[quantity])]
-    assert columns.header(plan_of(SMALL, quantity).recorded) == expected
+    expected = ["time_s", *(f"a.{name}" for name in COLUMN_NAMES[quantity])]
+    assert columns.header(plan_that_records(SMALL, quantity).recorded) == expected
 
 
 def test_the_columns_come_in_the_order_of_the_scene() -> None:
-    found = columns.header(plan_of(SMALL, "tip_position", "joint_angles").recorded)
-    names = [*NAMES["tip_position"], *NAMES["joint_angles"]]
+    found = columns.header(plan_that_records(SMALL, "tip_position", "joint_angles").recorded)
+    names = [*COLUMN_NAMES["tip_position"], *COLUMN_NAMES["joint_angles"]]
     assert found == ["time_s", *(f"a.{name}" for name in names)]
 
 
 def test_every_name_is_its_own() -> None:
     two = [{"name": name, "definition": EVERYTHING} for name in ("a", "b")]
-    text = json.dumps({"manipulators": two, "record": {"columns": ALL}})
+    text = json.dumps({"manipulators": two, "record": {"columns": QUANTITIES}})
     found = columns.header(make_plan(scene_from_text(text)).recorded)
     assert len(set(found)) == len(found)
     found = [name.replace(".contact.b.", ".contact.a.") for name in found]  # of the other
@@ -49,7 +49,7 @@ def test_the_groups_are_the_columns_of_each_quantity() -> None:
         for one in columns.body_column_groups(plan.recorded)
     ]
     assert found == [
-        (number, quantity, [f"{name}.{one}" for one in NAMES[quantity]])
+        (number, quantity, [f"{name}.{one}" for one in COLUMN_NAMES[quantity]])
         for number, name in enumerate("ab")
         for quantity in ("tip_position", "energy")
     ]

@@ -13,13 +13,21 @@ from somo_cli.manipulator.chain import Link
 from somo_cli.manipulator.round_solids import Capsule, RoundedBox
 from somo_cli.manipulator.solids import Inertial, Sphere
 from somo_cli.scene import compound, object_shapes
-from tests.builders.rigid_objects import PILL, ROUNDED_CUBE, SCALES, G, run, scene_of, slop
+from tests.builders.rigid_objects import (
+    PILL,
+    ROUNDED_CUBE,
+    SCALES,
+    G,
+    object_columns,
+    scene_of_objects,
+    slop,
+)
 
 
 @SCALES
 def test_a_rounded_cube_rests_at_its_true_height(scale: float) -> None:
     cube = {**ROUNDED_CUBE, "position": [0, 0, 0.03]}
-    found = run(scene_of(cube, ground={}, world_scale=scale), 0.5)["cube"]
+    found = object_columns(scene_of_objects(cube, ground={}, world_scale=scale), 0.5)["cube"]
     assert np.abs(found["z_m"] - 0.03).max() < slop(scale)
     assert np.hypot(found["x_m"], found["y_m"]).max() < 1e-8
     assert found["fz_n"][-1] == pytest.approx(0.1 * G, rel=1e-6)
@@ -30,7 +38,7 @@ def test_a_rounded_cube_on_edge_touches_with_its_edge(scale: float) -> None:
     # the middle is as high as half the diagonal of the core, and the radius
     height = 0.025 * math.sqrt(2) + 0.005
     cube = {**ROUNDED_CUBE, "position": [0, 0, height + 1e-4], "rpy": [math.pi / 4, 0, 0]}
-    found = run(scene_of(cube, ground={}, world_scale=scale), 0.03)["cube"]
+    found = object_columns(scene_of_objects(cube, ground={}, world_scale=scale), 0.03)["cube"]
     assert found["z_m"][-1] == pytest.approx(height, abs=5 * slop(scale))
 
 
@@ -42,7 +50,7 @@ def test_a_rounded_cube_slides_as_coulomb_says(scale: float) -> None:
         "linear_velocity": [0.5, 0, 0],
         "friction": 0.5,
     }
-    found = run(scene_of(cube, ground={}, world_scale=scale), 0.3)["cube"]
+    found = object_columns(scene_of_objects(cube, ground={}, world_scale=scale), 0.3)["cube"]
     assert found["x_m"][-1] == pytest.approx(0.25 / (2 * 0.5 * G), rel=1e-2)
 
 
@@ -50,7 +58,7 @@ def test_a_rounded_cube_slides_as_coulomb_says(scale: float) -> None:
 def test_a_capsule_lies_still_and_stands_still(scale: float) -> None:
     lying = {**PILL, "position": [0, 0, 0.01], "rpy": [math.pi / 2, 0, 0]}
     standing = {**PILL, "name": "other", "position": [1, 0, 0.04]}
-    found = run(scene_of(lying, standing, ground={}, world_scale=scale), 1.0)
+    found = object_columns(scene_of_objects(lying, standing, ground={}, world_scale=scale), 1.0)
     assert np.abs(found["pill"]["z_m"] - 0.01).max() < slop(scale)
     assert np.hypot(found["pill"]["x_m"], found["pill"]["y_m"]).max() < 1e-8
     assert np.abs(found["other"]["z_m"] - 0.04).max() < max(slop(scale), 4e-6)
@@ -65,7 +73,7 @@ def test_a_capsule_rolls_on_as_it_was_set_rolling(scale: float) -> None:
         "linear_velocity": [0.2, 0, 0],
         "angular_velocity": [0, 20, 0],
     }
-    found = run(scene_of(rolling, ground={}, world_scale=scale), 1.0)["pill"]
+    found = object_columns(scene_of_objects(rolling, ground={}, world_scale=scale), 1.0)["pill"]
     assert found["x_m"][-1] == pytest.approx(0.2, rel=1e-6)
     assert np.abs(found["y_m"]).max() < 1e-6
     assert np.abs(found["z_m"] - 0.01).max() < slop(scale)
@@ -75,7 +83,7 @@ def test_a_capsule_rolls_down_a_slope_by_its_inertia() -> None:
     slope = 0.1  # rad
     lying = {**PILL, "friction": 1, "position": [0, 0, 0.01], "rpy": [math.pi / 2, 0, 0]}
     gravity = [G * math.sin(slope), 0, -G * math.cos(slope)]
-    found = run(scene_of(lying, ground={}, gravity=gravity), 0.4)["pill"]
+    found = object_columns(scene_of_objects(lying, ground={}, gravity=gravity), 0.4)["pill"]
     inertial = object_shapes.object_link(PILL).inertial
     share = inertial.inertia[5] / (inertial.mass * 0.01**2)
     assert share == pytest.approx(0.4818, abs=1e-4)  # a cylinder has 0.5, a ball 0.4

@@ -8,7 +8,16 @@ import pytest
 from somo_cli.manipulator.solids import Box
 from somo_cli.scene import mesh
 from somo_cli.scene.mesh import MeshError, mesh_properties
-from tests.builders.meshes import BOX, BOX_FACES, CENTRE, SIZE, Faces, binary_stl, corners, obj
+from tests.builders.meshes import (
+    BOX_CENTRE,
+    BOX_CORNERS,
+    BOX_FACES,
+    BOX_SIZE,
+    Faces,
+    binary_stl,
+    corners,
+    obj,
+)
 
 
 def text_of(content: bytes) -> str:
@@ -19,10 +28,10 @@ def text_of(content: bytes) -> str:
 @pytest.mark.parametrize(
     ("text", "source", "tolerance"),
     [
-        (obj(BOX), "a.obj", 1e-9),
-        (obj(BOX, [face[::-1] for face in BOX_FACES]), "inside_out.OBJ", 1e-9),
-        (obj(BOX, [BOX_FACES[0][::-1], *BOX_FACES[1:]]), "one_face_turned.obj", 1e-9),
-        (text_of(binary_stl(BOX)), "a.stl", 1e-5),
+        (obj(BOX_CORNERS), "a.obj", 1e-9),
+        (obj(BOX_CORNERS, [face[::-1] for face in BOX_FACES]), "inside_out.OBJ", 1e-9),
+        (obj(BOX_CORNERS, [BOX_FACES[0][::-1], *BOX_FACES[1:]]), "one_face_turned.obj", 1e-9),
+        (text_of(binary_stl(BOX_CORNERS)), "a.stl", 1e-5),
     ],
 )
 def test_a_box_is_the_box_that_it_is(text: str, source: str, tolerance: float) -> None:
@@ -31,26 +40,29 @@ def test_a_box_is_the_box_that_it_is(text: str, source: str, tolerance: float) -
     for solid in (found.mesh_inertial, found.hull_inertial):
         assert solid is not None
         assert solid.mass == pytest.approx(volume, rel=tolerance)
-        assert solid.centre == pytest.approx(CENTRE, rel=tolerance)
-        six = Box(SIZE).inertia(volume)
+        assert solid.centre == pytest.approx(BOX_CENTRE, rel=tolerance)
+        six = Box(BOX_SIZE).inertia(volume)
         assert solid.inertia == pytest.approx(six, rel=tolerance, abs=1e-9 * six[0])
     hull = found.hull
-    distances = np.linalg.norm(np.array(hull.vertices)[:, None] - BOX, axis=2)
+    distances = np.linalg.norm(np.array(hull.vertices)[:, None] - BOX_CORNERS, axis=2)
     assert len(hull.vertices) == 8
     assert distances.min(axis=0) == pytest.approx(np.zeros(8), abs=tolerance)
     assert hull.height == pytest.approx(0.02, rel=1e-5)
     points = np.array(hull.vertices)[np.array(hull.faces)]
     normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
-    assert (np.sum(normals * (points[:, 0] - CENTRE), axis=1) > 0).all()
+    assert (np.sum(normals * (points[:, 0] - BOX_CENTRE), axis=1) > 0).all()
 
 
 def test_materials_normals_and_textures_make_no_difference() -> None:
-    lines = ["mtllib nowhere.mtl", "o part", *obj(BOX, ()).splitlines()]
+    lines = ["mtllib nowhere.mtl", "o part", *obj(BOX_CORNERS, ()).splitlines()]
     lines += ["vt 0 0", "vt 1 1", "vn 0 0 1", "vn 1 0 0"]
     for number, face in enumerate(BOX_FACES):
         lines += [f"usemtl colour_{number % 3}", f"s {number}", f"g group_{number}"]
         lines += ["f " + " ".join(f"{1 + i}/{1 + i % 2}/{1 + number % 2}" for i in face)]
-    found, plain = mesh_properties("\n".join(lines), "a.obj"), mesh_properties(obj(BOX), "a.obj")
+    found, plain = (
+        mesh_properties("\n".join(lines), "a.obj"),
+        mesh_properties(obj(BOX_CORNERS), "a.obj"),
+    )
     assert found.fault == ""
     assert found.mesh_inertial is not None
     assert plain.mesh_inertial is not None
@@ -61,7 +73,7 @@ def test_materials_normals_and_textures_make_no_difference() -> None:
 
 
 def test_a_mesh_is_scaled_along_its_axes() -> None:
-    found = mesh_properties(obj(BOX), "a.obj", (1.0, 2.0, 0.5))
+    found = mesh_properties(obj(BOX_CORNERS), "a.obj", (1.0, 2.0, 0.5))
     assert found.mesh_inertial is not None
     assert found.mesh_inertial.centre == pytest.approx((0.1, 0.4, 0.15))
     assert found.mesh_inertial.inertia == pytest.approx(
@@ -84,7 +96,7 @@ def test_the_solid_is_that_of_the_faces_not_of_the_hull() -> None:
 
 
 def test_an_open_mesh_has_a_hull_and_no_solid() -> None:
-    found = mesh_properties(obj(BOX, BOX_FACES[1:]), "a.obj")
+    found = mesh_properties(obj(BOX_CORNERS, BOX_FACES[1:]), "a.obj")
     assert len(found.hull.vertices) == 8
     assert found.mesh_inertial is None
     assert found.fault == "it is open: some edges belong to one face only"
@@ -97,15 +109,15 @@ def test_an_open_mesh_has_a_hull_and_no_solid() -> None:
         ("", "a.obj", "there are no faces in it"),
         ("solid\n", "a.stl", "there are no faces in it"),
         (
-            text_of(binary_stl(BOX)[:-20]),
+            text_of(binary_stl(BOX_CORNERS)[:-20]),
             "a.stl",
             "there are no faces in it",
         ),
         ("v 0 0\nv 1 0\nv 0 1\nf 1 2 3", "a.obj", "there are no faces in it"),
-        (obj(BOX * np.inf), "a.obj", "one of its vertices is not finite"),
-        (obj(BOX * [1, 1, 0]), "a.obj", "it is flat, so its hull encloses no volume"),
-        (obj(BOX * [1, 0, 0]), "a.obj", "it is flat, so its hull encloses no volume"),
-        (obj(BOX * 1e-6), "a.obj", "it is 6e-08 m long"),
+        (obj(BOX_CORNERS * np.inf), "a.obj", "one of its vertices is not finite"),
+        (obj(BOX_CORNERS * [1, 1, 0]), "a.obj", "it is flat, so its hull encloses no volume"),
+        (obj(BOX_CORNERS * [1, 0, 0]), "a.obj", "it is flat, so its hull encloses no volume"),
+        (obj(BOX_CORNERS * 1e-6), "a.obj", "it is 6e-08 m long"),
     ],
 )
 def test_what_nobody_can_use(text: str, source: str, message: str) -> None:
@@ -115,7 +127,7 @@ def test_what_nobody_can_use(text: str, source: str, message: str) -> None:
 
 
 def test_what_cannot_be_read() -> None:
-    for text in (obj(BOX, [(0, 1, 99)]), "v one two three\nf 1 1 1"):
+    for text in (obj(BOX_CORNERS, [(0, 1, 99)]), "v one two three\nf 1 1 1"):
         with pytest.raises(MeshError, match=r"^this cannot be read: "):
             mesh_properties(text, "a.obj")
 

@@ -14,7 +14,7 @@ from somo_cli.packages import read_packages
 from somo_cli.problems import InvalidFile
 from tests.builders.command import Somo
 from tests.builders.definitions import X, actuator, manipulator
-from tests.builders.meshes import BOX, binary_stl, obj
+from tests.builders.meshes import BOX_CORNERS, binary_stl, obj
 
 URDF = """<robot name="r"><link name="a">
   <inertial><mass value="1"/><inertia ixx="2e-4" iyy="3e-4" izz="4e-4"/></inertial>
@@ -45,10 +45,10 @@ def folder(tmp_path: Path) -> Path:
     for name in ("in/meshes", "in/urdf", "out"):
         (tmp_path / name).mkdir(parents=True)
     (tmp_path / "in/scene.json").write_text(json.dumps(scene))
-    (tmp_path / "in/meshes/box.stl").write_bytes(binary_stl(BOX))
-    (tmp_path / "in/meshes/box.obj").write_text(obj(BOX))
+    (tmp_path / "in/meshes/box.stl").write_bytes(binary_stl(BOX_CORNERS))
+    (tmp_path / "in/meshes/box.obj").write_text(obj(BOX_CORNERS))
     (tmp_path / "in/urdf/r.urdf").write_text(URDF)
-    (tmp_path / "out/box.obj").write_text(obj(2 * BOX))
+    (tmp_path / "out/box.obj").write_text(obj(2 * BOX_CORNERS))
     return tmp_path
 
 
@@ -56,7 +56,7 @@ def loaded(folder: Path, *sets: str, allow_outside: bool = False) -> Document:
     return load(str(folder / "in/scene.json"), sets, allow_outside)
 
 
-def told(folder: Path, *sets: str) -> list[str]:
+def load_problems(folder: Path, *sets: str) -> list[str]:
     with pytest.raises(InvalidFile) as caught:
         loaded(folder, *sets)
     return [problem.message for problem in caught.value.problems]
@@ -95,7 +95,7 @@ def test_a_mesh_outside_needs_leave(folder: Path, name: str) -> None:
     (folder / "in/meshes/link.obj").symlink_to(folder / "out/box.obj")
     path = folder / "in/scene.json"
     path.write_text(path.read_text().replace("meshes/box.stl", name))
-    assert told(folder) == [
+    assert load_problems(folder) == [
         f"cannot use '{name}': the path leads out of the folder '{path.parent}'"
     ]
     assert len(scene_of(loaded(folder, allow_outside=True))[0].objects) == 3
@@ -104,15 +104,15 @@ def test_a_mesh_outside_needs_leave(folder: Path, name: str) -> None:
 def test_a_mesh_of_a_urdf_outside_needs_leave(folder: Path) -> None:
     path = folder / "in/urdf/r.urdf"
     path.write_text(URDF.replace("../meshes/box.obj", str(folder / "out/box.obj")))
-    (message,) = told(folder)
+    (message,) = load_problems(folder)
     assert message.endswith("the path must be relative to the file that names it")
     assert len(scene_of(loaded(folder, allow_outside=True))[0].objects) == 3
 
 
 def test_a_file_that_is_too_large(folder: Path) -> None:
     (folder / "in/urdf/r.urdf").write_text(URDF + " " * 1_000_000)
-    (folder / "in/meshes/box.obj").write_text(obj(BOX) + " " * 20_000_000)
-    assert sorted(told(folder)) == [
+    (folder / "in/meshes/box.obj").write_text(obj(BOX_CORNERS) + " " * 20_000_000)
+    assert sorted(load_problems(folder)) == [
         "the file is larger than 1000000 bytes",
         "the file is larger than 20000000 bytes",
     ]
@@ -145,7 +145,7 @@ def test_a_mesh_is_not_written_over(folder: Path, somo: Somo) -> None:
     command = ("run", "scene.json", "--steps", "0", "-o", "meshes/box.obj")
     ended = somo(*command, cwd=folder / "in")
     assert ended.returncode == 2
-    assert (folder / "in/meshes/box.obj").read_text() == obj(BOX)
+    assert (folder / "in/meshes/box.obj").read_text() == obj(BOX_CORNERS)
 
 
 def test_files_of_a_package_are_found_where_it_is(folder: Path) -> None:
@@ -154,7 +154,7 @@ def test_files_of_a_package_are_found_where_it_is(folder: Path) -> None:
     for scheme in ("package", "model"):
         (folder / "in/urdf/r.urdf").write_text(text.replace("package://", f"{scheme}://"))
         (folder / "out/meshes").mkdir(exist_ok=True)
-        (folder / "out/meshes/box.obj").write_text(obj(BOX))
+        (folder / "out/meshes/box.obj").write_text(obj(BOX_CORNERS))
         scene = str(folder / "in/scene.json")
         with pytest.raises(InvalidFile) as caught:
             load(scene, ())

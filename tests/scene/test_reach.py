@@ -8,24 +8,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.kinematics import Pose, link_poses
 from somo_cli.scene.extents import max_height
 from somo_cli.scene.reach import can_touch, reach
 from somo_cli.simulation import plan_report
 from somo_cli.simulation.plan.build import make_plan
-from tests.builders.definitions import EVERYTHING, Data, X, Y, actuator, manipulator
+from tests.builders.definitions import EVERYTHING, Data, X, Y, actuator, chain_of, manipulator
 from tests.builders.runs import rows_of
 from tests.builders.scenes import scene_from_text
 
 BODY = manipulator(actuator(4, X, Y))
 BALL: Data = {"name": "ball", "shape_type": "sphere", "dimensions": [0.1], "mass": 1}
 FIXED = {**BALL, "fixed": True}
-
-
-def chain_of(definition: Data) -> Chain:
-    scene = scene_from_text(json.dumps({"manipulators": [{"definition": definition}]}))
-    return scene.manipulators[0].compiled.chain
 
 
 def touching(*others: Data, one: Data | None = None, **of_scene: Any) -> bool:

@@ -11,7 +11,14 @@ import pytest
 from somo_cli.scene import columns
 from somo_cli.simulation.plan.build import make_plan
 from tests.builders.definitions import Data
-from tests.builders.rigid_objects import BALL, CUBE, G, run, scene_of, told
+from tests.builders.rigid_objects import (
+    BALL,
+    CUBE,
+    G,
+    object_columns,
+    object_problems,
+    scene_of_objects,
+)
 from tests.builders.runs import rows_of
 from tests.builders.scenes import scene_from_file, scene_from_text
 
@@ -19,10 +26,10 @@ from tests.builders.scenes import scene_from_file, scene_from_text
 @pytest.mark.parametrize("step", [5e-4, 4e-3])
 @pytest.mark.parametrize("thing", [CUBE, BALL])
 def test_what_falls_falls_as_galileo_says(thing: Data, step: float) -> None:
-    data = scene_of(
+    data = scene_of_objects(
         {**thing, "position": [0, 0, 1], "linear_velocity": [0.3, 0, 1]}, time_step=step
     )
-    (found,) = run(data, 0.4).values()
+    (found,) = object_columns(data, 0.4).values()
     # of second order, and for a parabola that is exact
     t = found["t"]
     assert found["z_m"] == pytest.approx(1 + t - G * t**2 / 2, abs=1e-9)
@@ -32,8 +39,8 @@ def test_what_falls_falls_as_galileo_says(thing: Data, step: float) -> None:
 
 @pytest.mark.parametrize("step", [5e-4, 2e-3])
 def test_friction_stops_a_cube(step: float) -> None:
-    data = scene_of({**CUBE, "linear_velocity": [0.5, 0, 0]}, ground={}, time_step=step)
-    cube = run(data, 0.5)["cube"]
+    data = scene_of_objects({**CUBE, "linear_velocity": [0.5, 0, 0]}, ground={}, time_step=step)
+    cube = object_columns(data, 0.5)["cube"]
     assert cube["x_m"][-1] == pytest.approx(0.25 / (2 * 0.5 * G), rel=2e-4)
     assert cube["z_m"] == pytest.approx(0.02, abs=1e-5)
     assert cube["fz_n"][-1] == pytest.approx(0.01 * G, rel=1e-6)
@@ -42,7 +49,7 @@ def test_friction_stops_a_cube(step: float) -> None:
 @pytest.mark.moderate
 def test_a_stack_stays() -> None:
     stack = [{**CUBE, "name": f"cube_{n}", "position": [0, 0, 0.02 + 0.04 * n]} for n in range(4)]
-    found = run(scene_of(*stack, ground={}), 2.0)
+    found = object_columns(scene_of_objects(*stack, ground={}), 2.0)
     for n in range(4):
         one = found[f"cube_{n}"]
         assert one["z_m"][-1] == pytest.approx(0.02 + 0.04 * n, abs=1e-4)
@@ -54,7 +61,7 @@ def test_a_stack_stays() -> None:
 def test_a_collision_keeps_momentum_and_makes_no_energy() -> None:
     one = {**CUBE, "name": "one", "position": [0, 0, 0], "linear_velocity": [1, 0, 0]}
     other = {**CUBE, "name": "other", "position": [0.1, 0.003, 0.002], "mass": 0.03}
-    found = run(scene_of(one, other, gravity=[0, 0, 0]), 0.3)
+    found = object_columns(scene_of_objects(one, other, gravity=[0, 0, 0]), 0.3)
     for axis in ("x_m", "y_m", "z_m"):
         centre = 0.01 * found["one"][axis] + 0.03 * found["other"][axis]
         rates = np.diff(centre) / np.diff(found["one"]["t"])
@@ -66,7 +73,7 @@ def test_a_collision_keeps_momentum_and_makes_no_energy() -> None:
 def test_a_fixed_object_stays_and_holds() -> None:
     table = {**CUBE, "name": "table", "fixed": True, "position": [0, 0, -0.02]}
     del table["mass"]
-    found = run(scene_of(table, {**CUBE, "position": [0.01, 0, 0.02]}), 0.5)
+    found = object_columns(scene_of_objects(table, {**CUBE, "position": [0.01, 0, 0.02]}), 0.5)
     assert not np.ptp(found["table"]["z_m"])
     assert found["cube"]["z_m"][-1] == pytest.approx(0.02, abs=1e-5)
     assert found["table"]["fz_n"][-1] == pytest.approx(-0.01 * G, rel=1e-6)
@@ -75,11 +82,13 @@ def test_a_fixed_object_stays_and_holds() -> None:
 def test_a_cylinder_lies_along_its_z_axis() -> None:
     pipe = {"name": "pipe", "shape_type": "cylinder", "dimensions": [0.1, 0.01], "mass": 0.02}
     lying = {**pipe, "position": [0, 0, 0.01], "rpy": [math.pi / 2, 0, 0]}
-    assert run(scene_of(lying, ground={}), 0.3)["pipe"]["z_m"][-1] == pytest.approx(0.01, abs=1e-4)
+    assert object_columns(scene_of_objects(lying, ground={}), 0.3)["pipe"]["z_m"][
+        -1
+    ] == pytest.approx(0.01, abs=1e-4)
     standing = {**pipe, "position": [0, 0, 0.05]}
-    assert run(scene_of(standing, ground={}), 0.3)["pipe"]["z_m"][-1] == pytest.approx(
-        0.05, abs=1e-4
-    )
+    assert object_columns(scene_of_objects(standing, ground={}), 0.3)["pipe"]["z_m"][
+        -1
+    ] == pytest.approx(0.05, abs=1e-4)
 
 
 @pytest.mark.slow
@@ -98,31 +107,33 @@ def test_a_finger_pushes_a_cube_alike_at_every_step() -> None:
 def test_the_world_scale_is_never_seen() -> None:
     ends = []
     for scale in (1, 20):
-        data = scene_of({**CUBE, "linear_velocity": [0.5, 0, 0]}, ground={}, world_scale=scale)
-        ends.append(run(data, 0.3)["cube"]["x_m"][-1])
+        data = scene_of_objects(
+            {**CUBE, "linear_velocity": [0.5, 0, 0]}, ground={}, world_scale=scale
+        )
+        ends.append(object_columns(data, 0.3)["cube"]["x_m"][-1])
     assert ends[0] == pytest.approx(ends[1], rel=2e-3)
 
 
 def test_what_is_wrong_with_objects() -> None:
-    assert told(CUBE, BALL, ground={"height": -1}) == []
+    assert object_problems(CUBE, BALL, ground={"height": -1}) == []
     light = {key: value for key, value in CUBE.items() if key != "mass"}
-    assert told(light) == ["a free object needs a mass"]
-    assert told({**light, "fixed": True}) == []
-    assert told({**CUBE, "fixed": True, "linear_velocity": [1, 0, 0]}) == [
+    assert object_problems(light) == ["a free object needs a mass"]
+    assert object_problems({**light, "fixed": True}) == []
+    assert object_problems({**CUBE, "fixed": True, "linear_velocity": [1, 0, 0]}) == [
         "linear_velocity is for an object that can move, this one is fixed"
     ]
-    assert told({**CUBE, "dimensions": [1, 2]}) == ["a box has 3 dimensions, found 2"]
-    assert told({**BALL, "dimensions": [1, 2]}) == ["a sphere has 1 dimensions, found 2"]
-    assert told(CUBE, CUBE) == ["there is another 'cube' in the scene"]
-    assert told({**CUBE, "name": "body"}) == ["there is another 'body' in the scene"]
-    assert told({**CUBE, "position": [0, 0, 0]}, ground={}) == [
+    assert object_problems({**CUBE, "dimensions": [1, 2]}) == ["a box has 3 dimensions, found 2"]
+    assert object_problems({**BALL, "dimensions": [1, 2]}) == ["a sphere has 1 dimensions, found 2"]
+    assert object_problems(CUBE, CUBE) == ["there is another 'cube' in the scene"]
+    assert object_problems({**CUBE, "name": "body"}) == ["there is another 'body' in the scene"]
+    assert object_problems({**CUBE, "position": [0, 0, 0]}, ground={}) == [
         "it starts 0.02 m inside the ground"
     ]
 
 
 def test_a_colour_is_that_of_every_shape_and_changes_no_byte_of_what_the_engine_is_given() -> None:
     plain, painted = (
-        scene_from_text(json.dumps(scene_of({**CUBE, **colour})))
+        scene_from_text(json.dumps(scene_of_objects({**CUBE, **colour})))
         for colour in ({}, {"material_color": [0.1, 0.2, 0.3, 1]})
     )
     (shape,) = painted.objects[0].chain.links[0].shapes

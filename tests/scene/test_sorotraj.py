@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from typing import Any
 
@@ -11,12 +10,11 @@ import pytest
 import scipy.signal
 from scipy.interpolate import CubicSpline, interp1d
 
-from somo_cli.document.parse import parse
 from somo_cli.problems import has_errors
-from somo_cli.scene.checks import scene as scene_checks
 from somo_cli.scene.signals import piecewise_signal
 from somo_cli.scene.sorotraj import main_part_knots, read_trajectory
 from tests.builders.definitions import X, actuator, manipulator
+from tests.builders.scene_problems import problems_of, texts_and_messages
 
 Data = dict[str, Any]
 PARTS: Data = {
@@ -161,20 +159,14 @@ def test_wave_forms_by_their_corners(shape: str, turns: list[float], levels: lis
     assert [row[0] for _, row in found] == pytest.approx([10 + 10 * level for level in levels])
 
 
-def told(data: Data, **of_entry: Any) -> list[tuple[str, str]]:
-    """Return every fault of a scene with this trajectory: the text at the place, the message."""
+def sorotraj_problems(data: Data, **of_entry: Any) -> list[tuple[str, str]]:
+    """Return every problem of a scene with this trajectory: the text at the place, the message."""
     entry = {"name": "gait", "sorotraj": data, **of_entry}
     scene = {
         "trajectories": [entry],
         "manipulators": [{"definition": manipulator(actuator(2, X))}],
     }
-    text = json.dumps(scene, indent=1)
-    lines = text.splitlines()
-    found = []
-    for problem in scene_checks.scene_problems(parse(text, "a.json")):
-        line, start = lines[problem.span.line - 1], problem.span.column - 1
-        found.append((line[start : start + problem.span.width], problem.message))
-    return found
+    return texts_and_messages(scene)
 
 
 @pytest.mark.parametrize(
@@ -187,7 +179,7 @@ def told(data: Data, **of_entry: Any) -> list[tuple[str, str]]:
     ],
 )
 def test_nothing_is_said_of_sound_files(data: Data) -> None:
-    assert told(data) == []
+    assert sorotraj_problems(data) == []
 
 
 @pytest.mark.parametrize(
@@ -241,7 +233,7 @@ def test_nothing_is_said_of_sound_files(data: Data) -> None:
     ],
 )  # fmt: skip
 def test_faults_are_told_at_once(data: Data, of_entry: Data, messages: list[str]) -> None:
-    assert sorted(message for _, message in told(data, **of_entry)) == sorted(messages)
+    assert sorted(message for _, message in sorotraj_problems(data, **of_entry)) == sorted(messages)
 
 
 def test_a_mix_has_one_weight_per_channel() -> None:
@@ -255,7 +247,7 @@ def test_a_mix_has_one_weight_per_channel() -> None:
                 }
             ],
         }
-        problems = scene_checks.scene_problems(parse(json.dumps(scene), "a.json"))
+        problems = problems_of(scene)
         assert has_errors(problems) == bool(problems)
         return [problem.message for problem in problems]
 

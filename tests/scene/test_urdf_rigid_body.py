@@ -12,8 +12,8 @@ from somo_cli.manipulator.solids import Box, Cylinder, Sphere
 from somo_cli.scene import urdf_rigid_body, urdf_xml
 from somo_cli.scene.mesh import MeshFile
 from tests.builders.definitions import Data
-from tests.builders.meshes import BOX, obj
-from tests.builders.rigid_objects import told as scene_told
+from tests.builders.meshes import BOX_CORNERS, obj
+from tests.builders.rigid_objects import object_problems as object_problems
 
 INERTIAL = (
     '<inertial><mass value="2"/>'
@@ -36,11 +36,11 @@ def joint(parent: str, child: str, origin: str = "", kind: str = "fixed") -> str
     )
 
 
-def told(*parts: str) -> list[str]:
+def urdf_problems(*parts: str) -> list[str]:
     text = robot(*parts)
     names = urdf_xml.mesh_filenames(text, "r.urdf")
     body = urdf_rigid_body.read_rigid_body(
-        text, "r.urdf", {name: MeshFile(name, obj(BOX)) for name in names}
+        text, "r.urdf", {name: MeshFile(name, obj(BOX_CORNERS)) for name in names}
     )
     return [f"{one.span.line}: {one.message}" for one in body.problems]
 
@@ -99,7 +99,7 @@ def test_a_mesh_may_be_mirrored() -> None:
     text = robot(link("a", '<mesh filename="m.obj" scale="-1 1 2"/>'))
     assert list(urdf_xml.mesh_filenames(text, "r.urdf")) == ["m.obj"]
     (found,) = urdf_rigid_body.read_rigid_body(
-        text, "r.urdf", {"m.obj": MeshFile("m.obj", obj(BOX))}
+        text, "r.urdf", {"m.obj": MeshFile("m.obj", obj(BOX_CORNERS))}
     ).solids
     assert found.solid.height == pytest.approx(0.04)
 
@@ -138,7 +138,7 @@ def test_a_mesh_may_be_mirrored() -> None:
     ],
 )
 def test_what_is_wrong(parts: list[str], message: str) -> None:
-    (found,) = told(*parts)
+    (found,) = urdf_problems(*parts)
     assert found.startswith(message)
 
 
@@ -149,9 +149,9 @@ def test_a_mesh_that_is_not_given() -> None:
     assert problem.message == "mesh 'm.obj' is not given"
     data: Data = {"name": "u", "shape_type": "urdf"}
     data["urdf"] = {"source": "r.urdf", "text": text}
-    assert scene_told(data) == ["mesh 'm.obj' is not given"]
-    data["urdf"] = {**data["urdf"], "meshes": [{"source": "m.obj", "text": obj(BOX)}]}
-    assert scene_told(data) == []
+    assert object_problems(data) == ["mesh 'm.obj' is not given"]
+    data["urdf"] = {**data["urdf"], "meshes": [{"source": "m.obj", "text": obj(BOX_CORNERS)}]}
+    assert object_problems(data) == []
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "iso-8859-1", "utf-16"])

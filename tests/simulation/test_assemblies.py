@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import time
 from typing import Any
 
 import mujoco
@@ -14,14 +13,14 @@ from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.scene import columns
 from somo_cli.scene.model import Scene
-from somo_cli.simulation import run
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.dynamics.external_loads import generalised_load_force, load_stiffness
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.integrator import energy_bound, refresh_policy
 from somo_cli.simulation.plan.build import make_plan
-from tests.builders.momentum import momentum
-from tests.builders.mujoco_reference import model_of
+from tests.builders.matrices import stiffness_by_differences
+from tests.builders.momentum import loss_of_momentum
+from tests.builders.mujoco_reference import mujoco_model
 from tests.builders.runs import rows_of
 from tests.builders.scenes import scene_from_text
 
@@ -116,20 +115,9 @@ def free_pair(step: float, integrator: str = "implicit") -> Scene:
     )
 
 
-def loss_of_momentum(step: float) -> np.ndarray:
-    """Return the relative change of linear and angular momentum over half a second."""
-    plan = make_plan(free_pair(step))
-    with BulletWorld(plan) as world:
-        before = momentum(world, plan)
-        run.run(plan, world, lambda row: None, round(0.5 / step), time.perf_counter)
-        after = momentum(world, plan)
-    pairs = zip(before, after, strict=True)
-    return np.array([np.linalg.norm(b - a) / np.linalg.norm(a) for a, b in pairs])
-
-
 def test_a_free_assembly_keeps_its_momentum() -> None:
     """To first order: rates are half a step behind the angles, and the body tumbles."""
-    coarse, fine = loss_of_momentum(1e-3), loss_of_momentum(2.5e-4)
+    coarse, fine = (loss_of_momentum(make_plan(free_pair(step))) for step in (1e-3, 2.5e-4))
     assert np.all(fine < 1e-4), fine
     assert np.all(coarse / fine > 3.2), (coarse, fine)
 
@@ -138,7 +126,7 @@ def by_mujoco(scene: Scene, step: float) -> np.ndarray:
     """Return joint angles every 0.1 s for half a second, of the scene's only, free manipulator."""
     one = scene.manipulators[0]
     chain = one.compiled.chain
-    model = model_of(chain, scene.gravity, step, is_free=True)
+    model = mujoco_model(chain, scene.gravity, step, is_free=True)
     state = mujoco.MjData(model)
     rotation = geometry.rotation_from_rpy(one.rpy)
     x, y, z, w = geometry.quaternion_from_rotation(rotation)
@@ -191,13 +179,6 @@ def test_inertia_and_weight_are_those_of_the_engine(base: str) -> None:
     assert np.abs(weight - expected).max() < 1e-9 * np.abs(expected).max()
 
 
-def differences(torques: Any, angles: np.ndarray) -> np.ndarray:
-    """Return minus the gradient of torques(angles), by central differences."""
-    steps = 1e-6 * np.eye(len(angles))
-    gradients = [(torques(angles - step) - torques(angles + step)) / 2e-6 for step in steps]
-    return np.array(gradients).T
-
-
 def test_stiffness_of_weight_and_loads_is_minus_their_gradient() -> None:
     plan = make_plan(pair("static", "    loads: [{link: left_tip, force: [0.3, -0.2, 0.1]}]\n"))
     body = plan.bodies[0]
@@ -215,7 +196,7 @@ def test_stiffness_of_weight_and_loads_is_minus_their_gradient() -> None:
         (weight, pose.gravity_stiffness(plan.gravity)),
         (load, load_stiffness(body.loads[0], pose, 1.0)),
     ):
-        expected = differences(torques, angles)
+        expected = stiffness_by_differences(torques, angles)
         assert np.abs(own - expected).max() < 1e-7 * np.abs(expected).max()
     assert np.abs(load(angles)[10:]).max() == 0.0
 

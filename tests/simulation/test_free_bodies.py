@@ -95,7 +95,7 @@ def test_world_scale_changes_nothing(tmp_path: Path) -> None:
     assert scaled.rotations == pytest.approx(plain.rotations, abs=1e-9)
 
 
-def scene_of(*objects: dict[str, object], **more: object) -> str:
+def scene_text(*objects: dict[str, object], **more: object) -> str:
     """Return a scene with objects, far from any manipulator."""
     numbered = [{"name": f"o{number}", **one} for number, one in enumerate(objects)]
     return json.dumps({"gravity": [0, 0, 0], "manipulators": [FAR], "objects": numbered, **more})
@@ -108,7 +108,7 @@ def test_only_what_spins_about_unequal_moments_gets_a_torque() -> None:
     apart = [{"position": [number, 0, 0]} for number in range(6)]
     plan = make_plan(
         scene_from_text(
-            scene_of(
+            scene_text(
                 cube | thrown | apart[0],
                 sphere | thrown | apart[1],
                 CYLINDER | thrown | apart[2],
@@ -134,7 +134,7 @@ def test_only_what_spins_about_unequal_moments_gets_a_torque() -> None:
 
 def test_the_plan_says_that_equal_moments_need_no_torque() -> None:
     sphere = {"shape_type": "sphere", "dimensions": [0.1], "mass": 1}
-    plan = make_plan(scene_from_text(scene_of(sphere)))
+    plan = make_plan(scene_from_text(scene_text(sphere)))
     (said,) = (one for one in explain(plan) if "gyroscopic" in one.what)
     assert (said.is_kept, said.saves) == (False, "1 torque in every step")
     alone = make_plan(scene_from_text(json.dumps({"manipulators": [FAR]})))
@@ -146,13 +146,13 @@ def test_what_the_engine_alone_throws_ends_the_run(
     time_step: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(RotatingObject, "needs_torque", lambda self: False)
-    text = scene_of(CYLINDER | {"angular_velocity": [20, 0, 150]}, time_step=time_step)
+    text = scene_text(CYLINDER | {"angular_velocity": [20, 0, 150]}, time_step=time_step)
     with pytest.raises(SimulationDiverged, match=r"object 'o0': it moves at .* rad/s, with more"):
         rows_of(scene_from_text(text), round(2 / time_step))
 
 
 def test_an_object_that_turns_too_far_in_a_step_ends_the_run() -> None:
-    text = scene_of(CYLINDER | {"angular_velocity": [0, 0, 1600]}, time_step=1e-3)
+    text = scene_text(CYLINDER | {"angular_velocity": [0, 0, 1600]}, time_step=1e-3)
     with pytest.raises(SimulationDiverged, match=r"object 'o0': it turns 1.6 rad in one step"):
         rows_of(scene_from_text(text), 100)
 
@@ -212,6 +212,6 @@ def test_boxes_that_tumble_come_to_rest() -> None:
         for number in range(4)
     ]
     record = {"columns": ["tip_position"], "objects": ["velocity"], "every": 100}
-    text = scene_of(*boxes, gravity=[0, 0, -9.81], ground={}, time_step=1e-3, record=record)
+    text = scene_text(*boxes, gravity=[0, 0, -9.81], ground={}, time_step=1e-3, record=record)
     last = np.array(rows_of(scene_from_text(text), 3000))[-1, 4:]
     assert np.abs(last).max() < 0.05  # all of them lie still

@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from somo_cli.document.parse import parse
-from somo_cli.scene.checks import scene as scene_checks
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.plan.build import make_plan
 from tests.builders.definitions import Data
 from tests.builders.runs import rows_of
+from tests.builders.scene_problems import messages_of
 from tests.builders.scenes import scene_from_file, scene_from_text
 
 pytest.importorskip("pybullet")
@@ -38,21 +37,21 @@ def block(stiffness: float = 10.0, **of_scene: Any) -> Data:
     return {"ground": {}, "manipulators": [one], "record": record, **of_scene}
 
 
-def columns_of(scene: Scene, time: float) -> dict[str, np.ndarray]:
+def base_and_force(scene: Scene, time: float) -> dict[str, np.ndarray]:
     """Return position of the base and contact force over time, by the last part of the name."""
     rows = np.array(rows_of(scene, round(time / scene.time_step)))
     names = ("t", "x", "y", "z", "qx", "qy", "qz", "qw", "fx", "fy", "fz", "normal")
     return dict(zip(names, rows.T, strict=True))
 
 
-def run(data: Data, time: float = 1.0) -> dict[str, np.ndarray]:
-    return columns_of(scene_from_text(json.dumps(data)), time)
+def base_and_force_of_data(data: Data, time: float = 1.0) -> dict[str, np.ndarray]:
+    return base_and_force(scene_from_text(json.dumps(data)), time)
 
 
 @pytest.mark.parametrize("step", [5e-4, 2e-3])
 @pytest.mark.parametrize("integrator", ["implicit", "euler"])
 def test_the_ground_carries_the_weight(step: float, integrator: str) -> None:
-    found = run(block(time_step=step, integrator=integrator), 0.4)
+    found = base_and_force_of_data(block(time_step=step, integrator=integrator), 0.4)
     assert found["fz"][-1] == pytest.approx(MASS * G, rel=1e-6)
     assert found["normal"][-1] == pytest.approx(MASS * G, rel=1e-6)
     assert [found["fx"][-1], found["fy"][-1]] == pytest.approx([0, 0], abs=1e-6)
@@ -70,7 +69,9 @@ def test_friction_stops_what_slides(
 ) -> None:
     speed = 0.5
     one = {"linear_velocity": [speed, 0, 0], "surface": {"friction": own}}
-    found = run(block(stiffness, one=one, ground={"friction": grounds}, time_step=step))
+    found = base_and_force_of_data(
+        block(stiffness, one=one, ground={"friction": grounds}, time_step=step)
+    )
     distance = speed**2 / (2 * own * grounds * G)
     assert found["x"][-1] == pytest.approx(distance, rel=1e-4)
     assert abs(found["y"][-1]) < 1e-4
@@ -85,7 +86,7 @@ def test_friction_stops_what_slides(
 def test_a_block_stays_on_a_slope_below_the_angle_of_friction(slope: float) -> None:
     angle, friction = math.radians(slope), 0.5
     gravity = [G * math.sin(angle), 0, -G * math.cos(angle)]
-    found = run(block(gravity=gravity, one={"surface": {"friction": friction}}))
+    found = base_and_force_of_data(block(gravity=gravity, one={"surface": {"friction": friction}}))
     if math.tan(angle) < friction:
         assert abs(found["x"][-1]) < 1e-5
         assert found["fx"][-1] == pytest.approx(-MASS * G * math.sin(angle), rel=1e-3)
@@ -96,7 +97,7 @@ def test_a_block_stays_on_a_slope_below_the_angle_of_friction(slope: float) -> N
 
 def test_a_ground_may_be_lower_or_slippery() -> None:
     one = {"position": [0, 0, -0.3], "linear_velocity": [0.5, 0, 0]}
-    found = run(block(one=one, ground={"height": -0.3, "friction": 0}))
+    found = base_and_force_of_data(block(one=one, ground={"height": -0.3, "friction": 0}))
     assert found["z"][-1] == pytest.approx(-0.3, abs=1e-5)
     assert found["x"][-1] == pytest.approx(0.5, rel=1e-3)
 
@@ -106,7 +107,7 @@ def test_without_a_ground_nothing_is_loaded_that_could_touch() -> None:
     assert "<collision>" in make_plan(scene_from_text(json.dumps(data))).bodies[0].urdf
     del data["ground"]
     assert "<collision>" not in make_plan(scene_from_text(json.dumps(data))).bodies[0].urdf
-    found = run(data, 0.2)
+    found = base_and_force_of_data(data, 0.2)
     assert found["z"][-1] == pytest.approx(-G * 0.2**2 / 2, rel=1e-6)
     assert found["fz"][-1] == 0
 
@@ -127,7 +128,7 @@ def test_a_finger_that_presses_on_the_ground_stands_where_statics_say() -> None:
             f"{one}.definition.actuator_definitions[0].joint_definitions[0].spring_damping=0.005",
             "record={every: 10, columns: [base_pose, contact_force]}",
         )
-        found = columns_of(scene, 1.5)
+        found = base_and_force(scene, 1.5)
         last = found["t"] > 1.4
         forces.append(float(found["normal"][last].mean()))
         assert found["normal"][last].std() < 1e-3 * forces[-1]
@@ -171,7 +172,7 @@ def test_a_snake_wriggles_on_the_ground_alike_at_every_step() -> None:
             f"time_step={step}",
             "record={every: 20, columns: [base_pose, contact_force]}",
         )
-        found = columns_of(scene, 0.4)
+        found = base_and_force(scene, 0.4)
         weight = sum(link.inertial.mass for link in scene.manipulators[0].compiled.chain.links)
         assert found["normal"][-5:].mean() == pytest.approx(weight * G, rel=0.02)
         assert found["z"].min() > 0.0195
@@ -179,23 +180,16 @@ def test_a_snake_wriggles_on_the_ground_alike_at_every_step() -> None:
     assert ends[0] == pytest.approx(ends[1], abs=4e-3)
 
 
-def told(data: Data) -> list[str]:
-    return [
-        problem.message
-        for problem in scene_checks.scene_problems(parse(json.dumps(data), "a.json"))
-    ]
-
-
 def test_what_starts_in_the_ground_is_told() -> None:
-    assert told(block()) == []
-    assert told(block(one={"position": [0, 0, -1e-6]})) == []
-    deep = told(block(one={"position": [0, 0, -0.01]}))
+    assert messages_of(block()) == []
+    assert messages_of(block(one={"position": [0, 0, -1e-6]})) == []
+    deep = messages_of(block(one={"position": [0, 0, -0.01]}))
     assert deep == ["link 'base' starts 0.01 m inside the ground"]
     # upside down the tip is the lowest
-    over = told(block(one={"rpy": [math.pi, 0, 0]}))
+    over = messages_of(block(one={"rpy": [math.pi, 0, 0]}))
     assert over == ["link 'actuator_0_segment_01' starts 0.02 m inside the ground"]
     # a base that is held cannot collide with the ground
-    assert told(block(one={"position": [0, 0, -0.005], "base": "static"})) == []
-    bent = told(block(one={"initial_angles": 1.5}))
+    assert messages_of(block(one={"position": [0, 0, -0.005], "base": "static"})) == []
+    bent = messages_of(block(one={"initial_angles": 1.5}))
     assert len(bent) == 1
-    assert told(block(ground={"height": 1}))[0].endswith("starts 1 m inside the ground")
+    assert messages_of(block(ground={"height": 1}))[0].endswith("starts 1 m inside the ground")

@@ -19,7 +19,7 @@ from somo_cli.simulation.integrator.energy_bound import BodyEnergy
 from somo_cli.simulation.plan.build import make_plan
 from tests.builders.fingers import LIGHT_BASE_AND_DAMPED
 from tests.builders.momentum import centre_of_mass
-from tests.builders.mujoco_reference import model_of, trajectory_under_loads
+from tests.builders.mujoco_reference import mujoco_model, mujoco_trajectory_under_loads
 from tests.builders.runs import rows_of
 from tests.builders.scenes import scene_from_file, scene_from_text
 
@@ -78,8 +78,8 @@ def in_mujoco(base: str) -> np.ndarray:
     """Return angles [rad], and of a free base its position [m], every 0.1 s by RK4."""
     scene = finger(1e-3, base, weaker=WEAKER[base])
     (one,) = scene.manipulators
-    model = model_of(one.compiled.chain, scene.gravity, 1e-4, is_free=base == "free")
-    rows = trajectory_under_loads(model, one.loads, [0.1, 0.2, 0.3, 0.4])
+    model = mujoco_model(one.compiled.chain, scene.gravity, 1e-4, is_free=base == "free")
+    rows = mujoco_trajectory_under_loads(model, one.loads, [0.1, 0.2, 0.3, 0.4])
     return np.hstack([rows[:, 7:], rows[:, :3]]) if base == "free" else rows
 
 

@@ -16,7 +16,7 @@ from somo_cli.scene import columns, object_shapes
 from somo_cli.simulation.plan.build import make_plan
 from tests.builders.definitions import Data
 from tests.builders.meshes import corners, obj
-from tests.builders.rigid_objects import SCALES, G, run, scene_of, slop
+from tests.builders.rigid_objects import SCALES, G, object_columns, scene_of_objects, slop
 from tests.builders.runs import rows_of
 from tests.builders.scenes import scene_from_file, scene_from_text
 
@@ -33,7 +33,9 @@ CUBE = mesh_of(corners(SIZE, geometry.ZERO))
 
 @SCALES
 def test_a_mesh_rests_at_its_true_height(scale: float) -> None:
-    found = run(scene_of({**CUBE, "position": [0, 0, 0.03]}, ground={}, world_scale=scale), 0.5)
+    found = object_columns(
+        scene_of_objects({**CUBE, "position": [0, 0, 0.03]}, ground={}, world_scale=scale), 0.5
+    )
     assert np.abs(found["mesh"]["z_m"] - 0.03).max() < slop(scale) + 2e-9
     assert np.hypot(found["mesh"]["x_m"], found["mesh"]["y_m"]).max() < 1e-8
     assert found["mesh"]["fz_n"][-1] == pytest.approx(0.1 * G, rel=1e-6)
@@ -42,7 +44,7 @@ def test_a_mesh_rests_at_its_true_height(scale: float) -> None:
 @SCALES
 def test_the_position_is_that_of_the_frame_of_the_file(scale: float) -> None:
     aside = mesh_of(corners(SIZE, (0.1, 0.0, 0.03)), position=[1, 0, 0])
-    found = run(scene_of(aside, ground={}, world_scale=scale), 0.5)["mesh"]
+    found = object_columns(scene_of_objects(aside, ground={}, world_scale=scale), 0.5)["mesh"]
     assert np.abs(found["z_m"]).max() < slop(scale) + 2e-9
     assert np.abs(found["x_m"] - 1).max() < 1e-8
 
@@ -60,14 +62,14 @@ def test_parts_side_by_side_rest_as_one(scale: float) -> None:
     assert parts.mass == whole.mass
     assert parts.centre == pytest.approx(whole.centre, abs=1e-12)
     assert parts.inertia == pytest.approx(whole.inertia, abs=1e-12)
-    found = run(scene_of(pair, ground={}, world_scale=scale), 0.5)["mesh"]
+    found = object_columns(scene_of_objects(pair, ground={}, world_scale=scale), 0.5)["mesh"]
     assert np.abs(found["z_m"] - 0.03).max() < slop(scale) + 2e-8
 
 
 @SCALES
 def test_a_mesh_slides_as_coulomb_says(scale: float) -> None:
     cube = {**CUBE, "position": [0, 0, 0.03], "linear_velocity": [0.5, 0, 0], "friction": 0.5}
-    found = run(scene_of(cube, ground={}, world_scale=scale), 0.3)["mesh"]
+    found = object_columns(scene_of_objects(cube, ground={}, world_scale=scale), 0.3)["mesh"]
     assert found["x_m"][-1] == pytest.approx(0.25 / (2 * 0.5 * G), rel=1e-2)
 
 
@@ -76,9 +78,9 @@ def test_a_cube_falls_over_its_edge_by_its_inertia(scale: float) -> None:
     a, start = 0.06, 0.2  # m; rad beyond the point of balance
     tilted = {**CUBE, "rpy": [math.pi / 4 + start, 0, 0], "friction": 1}
     tilted["position"] = [0, 0, a / math.sqrt(2) * math.cos(start)]
-    scene = scene_of(tilted, ground={}, world_scale=scale, time_step=2.5e-4)
+    scene = scene_of_objects(tilted, ground={}, world_scale=scale, time_step=2.5e-4)
     scene["record"]["every"] = 4
-    found = run(scene, 0.15)["mesh"]
+    found = object_columns(scene, 0.15)["mesh"]
     angle = 2 * np.arctan2(found["qx"], found["qw"]) - math.pi / 4
     # about the edge: 2/3 m a² θ'' = m g a/√2 sin θ
     rate = G / math.sqrt(2) / (2 / 3 * a)
@@ -103,9 +105,9 @@ def test_a_free_body_turns_as_euler_says_whatever_its_frame() -> None:
     plain: Data = {"name": "plain", "shape_type": "box", "dimensions": list(size), "mass": mass}
     plain |= {"linear_velocity": [0.1, 0, 0], "angular_velocity": spin.tolist()}
     plain["position"] = [0, 1, 0]
-    scene = scene_of(data, plain, gravity=[0, 0, 0], time_step=2.5e-4)
+    scene = scene_of_objects(data, plain, gravity=[0, 0, 0], time_step=2.5e-4)
     scene["record"]["every"] = 40
-    found = run(scene, 0.5)
+    found = object_columns(scene, 0.5)
 
     t = found["plain"]["t"]
     axes = {name: orientations(found[name]) for name in found}
@@ -168,8 +170,8 @@ def test_a_finger_pushes_it_as_far_as_the_box(kind: str) -> None:
 
 
 def test_the_same_scene_gives_the_same_rows() -> None:
-    data = scene_of({**CUBE, "position": [0, 0, 0.05], "rpy": [0.3, 0.2, 0.1]}, ground={})
-    first, second = (run(json.loads(json.dumps(data)), 0.3)["mesh"] for _ in range(2))
+    data = scene_of_objects({**CUBE, "position": [0, 0, 0.05], "rpy": [0.3, 0.2, 0.1]}, ground={})
+    first, second = (object_columns(json.loads(json.dumps(data)), 0.3)["mesh"] for _ in range(2))
     assert all((first[name] == second[name]).all() for name in first)
 
 
@@ -183,11 +185,11 @@ def test_a_urdf_body_stands_on_its_lowest_shape() -> None:
     </link></robot>"""
     data = {"name": "u", "shape_type": "urdf", "urdf": {"source": "r.urdf", "text": text}}
     data["position"] = [0, 0, 0.01]
-    found = run(scene_of(data, ground={}, world_scale=20), 0.5)["u"]
+    found = object_columns(scene_of_objects(data, ground={}, world_scale=20), 0.5)["u"]
     assert np.abs(found["z_m"] - 0.01).max() < 4e-6
     assert found["z_m"][-1] == pytest.approx(0.01, abs=slop(20))
     assert found["fz_n"][-1] == pytest.approx(0.2 * G, rel=1e-6)
     assert object_shapes.object_link(data).inertial.centre == (0, 0, 0.01)
     # upside down it stands on the end of the cylinder
-    scene = scene_from_text(json.dumps(scene_of({**data, "rpy": [math.pi, 0, 0]})))
+    scene = scene_from_text(json.dumps(scene_of_objects({**data, "rpy": [math.pi, 0, 0]})))
     assert len(scene.objects[0].chain.links[0].shapes) == 2

@@ -15,29 +15,29 @@ from somo_cli.scene.model import Scene
 from somo_cli.simulation import run
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from tests.builders.fingers import (
-    THROWN,
-    error_of_finger,
-    error_of_throw,
-    finger,
-    free_chain,
-    truth_of_finger,
+    THROWN_FINGER,
+    error_of_struck_finger,
+    error_of_thrown_finger,
+    spinning_finger,
+    struck_finger,
+    struck_finger_in_mujoco,
 )
 from tests.builders.momentum import centre_of_mass, loss_of_momentum, velocity_of_centre
-from tests.builders.mujoco_reference import model_of, trajectory
-from tests.builders.pendulum import INERTIA, error_of_hinge, hinge
+from tests.builders.mujoco_reference import mujoco_model, mujoco_trajectory
+from tests.builders.pendulum import PENDULUM_INERTIA, error_of_pendulum, pendulum_scene
 from tests.builders.runs import rows_of
 from tests.builders.scenes import JOINTS, scene_from_file, scene_from_text
 
 
 def test_a_hinge_rings_at_its_frequency_and_decays_at_its_rate() -> None:
-    rows = np.array(rows_of(hinge("implicit", 1e-4), 20_000))
+    rows = np.array(rows_of(pendulum_scene("implicit", 1e-4), 20_000))
     times, deflection = rows[:, 0], rows[:, 1] - 0.3
     crossings = np.flatnonzero(np.diff(np.sign(deflection)))
     fractions = deflection[crossings] / (deflection[crossings] - deflection[crossings + 1])
     zeros = times[crossings] + 1e-4 * fractions
-    decay = 0.5 / (2 * INERTIA)
+    decay = 0.5 / (2 * PENDULUM_INERTIA)
     assert np.diff(zeros).mean() == pytest.approx(
-        math.pi / math.sqrt(50 / INERTIA - decay**2), rel=1e-5
+        math.pi / math.sqrt(50 / PENDULUM_INERTIA - decay**2), rel=1e-5
     )
     peaks = [np.abs(deflection[a:b]).max() for a, b in itertools.pairwise(crossings)]
     measured = -np.polyfit(np.arange(len(peaks)), np.log(peaks), 1)[0] / np.diff(zeros).mean()
@@ -46,7 +46,7 @@ def test_a_hinge_rings_at_its_frequency_and_decays_at_its_rate() -> None:
 
 @pytest.mark.parametrize(("integrator", "order"), [("implicit", 2), ("euler", 1), ("explicit", 1)])
 def test_the_error_falls_with_the_order_of_the_integrator(integrator: str, order: int) -> None:
-    errors = [error_of_hinge(integrator, step) for step in (2e-3, 1e-3, 5e-4, 2.5e-4)]
+    errors = [error_of_pendulum(integrator, step) for step in (2e-3, 1e-3, 5e-4, 2.5e-4)]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert np.all(np.abs(orders - order) < 0.1), (errors, orders)
 
@@ -54,37 +54,39 @@ def test_the_error_falls_with_the_order_of_the_integrator(integrator: str, order
 def test_rates_are_those_of_the_instant() -> None:
     errors = []
     for step in (2e-3, 1e-3):
-        rows = np.array(rows_of(hinge("implicit", step, initial_rates=(2.0,)), round(0.5 / step)))
-        fine = np.array(rows_of(hinge("implicit", 5e-5, initial_rates=(2.0,)), 10_000))
+        rows = np.array(
+            rows_of(pendulum_scene("implicit", step, initial_rates=(2.0,)), round(0.5 / step))
+        )
+        fine = np.array(rows_of(pendulum_scene("implicit", 5e-5, initial_rates=(2.0,)), 10_000))
         errors.append(np.abs(rows[:, 2] - fine[:: round(step / 5e-5), 2]).max())
     assert 3.5 < errors[0] / errors[1] < 4.5, errors
 
 
 def test_explicit_is_its_recursion() -> None:
-    scene = hinge("explicit", 1e-3)
+    scene = pendulum_scene("explicit", 1e-3)
     rows = np.array(rows_of(scene, 1000))
     angle = rate = 0.0
     for row in rows:
         assert row[1:] == pytest.approx([angle, rate], rel=1e-13, abs=1e-13)
-        rate += 1e-3 * (-50 * (angle - 0.3) - 0.5 * rate) / INERTIA
+        rate += 1e-3 * (-50 * (angle - 0.3) - 0.5 * rate) / PENDULUM_INERTIA
         angle += 1e-3 * rate
 
 
 @pytest.fixture(scope="module")
 def reference() -> np.ndarray:
-    return truth_of_finger()
+    return struck_finger_in_mujoco()
 
 
 @pytest.mark.moderate
 def test_the_finger_moves_as_in_another_simulator(reference: np.ndarray) -> None:
-    errors = [error_of_finger(reference, step) for step in (2e-3, 1e-3, 5e-4)]
+    errors = [error_of_struck_finger(reference, step) for step in (2e-3, 1e-3, 5e-4)]
     assert errors[1] < 5e-4
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert np.all(np.abs(orders - 2) < 0.15), (errors, orders)
 
 
 def test_backward_euler_moves_the_finger_with_first_order(reference: np.ndarray) -> None:
-    errors = [error_of_finger(reference, step, "euler") for step in (1e-3, 5e-4, 2.5e-4)]
+    errors = [error_of_struck_finger(reference, step, "euler") for step in (1e-3, 5e-4, 2.5e-4)]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert np.all(np.abs(orders - 1) < 0.1), (errors, orders)
 
@@ -94,7 +96,7 @@ def test_the_world_scale_changes_nothing_but_rounding(integrator: str) -> None:
     columns = ("joint_angles", "joint_rates", "spring_torques", "actuation", "tip_position")
     results = []
     for length, mass in ((1.0, 1.0), (20.0, 1.0), (8.0, 1000.0)):
-        scene = finger(1e-3, integrator, columns=columns)
+        scene = struck_finger(1e-3, integrator, columns=columns)
         scale = type(scene.scale)(length, mass)
         results.append(np.array(rows_of(dataclasses.replace(scene, scale=scale), 500)))
     for other in results[1:]:
@@ -147,7 +149,7 @@ def equilibrium(scene: Scene) -> np.ndarray:
     import mujoco
 
     chain = scene.manipulators[0].compiled.chain
-    model = model_of(chain, scene.gravity, 1e-3)
+    model = mujoco_model(chain, scene.gravity, 1e-3)
     state = mujoco.MjData(model)
     stiffness = np.array([joint.stiffness for joint in chain.joints])
     torques = np.array([0.05 if joint.channel == 0 else 0.0 for joint in chain.joints])
@@ -176,7 +178,7 @@ def test_the_recorded_energy_of_an_undamped_finger_stays(base: str) -> None:
     drifts = []
     for step in (2.5e-4, 1.25e-4):
         scene = scene_from_text(
-            THROWN if base == "free" else "manipulators: [{definition: finger.yaml}]",
+            THROWN_FINGER if base == "free" else "manipulators: [{definition: finger.yaml}]",
             "record={columns: [energy]}",
             "manipulators[0].initial_angles=0.05",
             f"{JOINTS}[0].spring_damping=0",
@@ -197,7 +199,7 @@ def test_a_free_chain_keeps_its_momentum(integrator: str) -> None:
 
     The linear one falls with the second order all the same, because the base is corrected too.
     """
-    coarse, fine = (loss_of_momentum(step, integrator) for step in (1e-3, 2.5e-4))
+    coarse, fine = (loss_of_momentum(spinning_finger(step, integrator)) for step in (1e-3, 2.5e-4))
     assert fine[0] < 3e-4, fine
     assert fine[1] < 2e-3, fine
     assert coarse[0] / fine[0] > 10, (coarse, fine)
@@ -208,7 +210,7 @@ def test_the_centre_of_mass_of_a_free_chain_moves_straight() -> None:
     """Where the start, the actuation and the bending are violent, as in `free_chain`."""
     deviations = []
     for step in (1e-3, 5e-4):
-        plan = free_chain(step, "implicit")
+        plan = spinning_finger(step, "implicit")
         with BulletWorld(plan) as world:
             before = centre_of_mass(world)
             run.run(plan, world, lambda row: None, round(0.5 / step), time.perf_counter)
@@ -226,7 +228,7 @@ def test_what_is_recorded_does_not_change_what_happens(base: str) -> None:
         (1, ("joint_angles", "joint_rates", "base_pose")),
         (7, ("joint_angles",)),
     ):
-        scene = finger(1e-3, every=every, columns=columns)
+        scene = struck_finger(1e-3, every=every, columns=columns)
         finger_here = dataclasses.replace(scene.manipulators[0], base=base)
         runs.append(np.array(rows_of(dataclasses.replace(scene, manipulators=(finger_here,)), 210)))
     assert np.array_equal(runs[0][::7, :11], runs[1])
@@ -239,16 +241,16 @@ def test_a_hanging_finger_moves_as_in_another_simulator() -> None:
     errors = []
     truth = None
     for step in (2e-3, 1e-3, 5e-4):
-        scene = finger(step, gravity=(0.0, 0.0, -4 * 9.81))
+        scene = struck_finger(step, gravity=(0.0, 0.0, -4 * 9.81))
         turned = dataclasses.replace(scene.manipulators[0], rpy=rpy)
         scene = dataclasses.replace(scene, manipulators=(turned,))
         if truth is None:
             chain = turned.compiled.chain
             axes = np.array(geometry.rotation_from_rpy(rpy))
             torques = [0.05 if joint.channel == 0 else 0.02 for joint in chain.joints]
-            model = model_of(chain, axes.T @ scene.gravity, 1e-5)
+            model = mujoco_model(chain, axes.T @ scene.gravity, 1e-5)
             times = [0.1 * index for index in range(1, 11)]
-            truth = trajectory(model, lambda time, torques=torques: torques, times)
+            truth = mujoco_trajectory(model, lambda time, torques=torques: torques, times)
         rows = np.array(rows_of(scene, round(1 / step)))
         errors.append(float(np.abs(rows[1:, 1:] - truth).max()))
     assert errors[1] < 2e-4, errors
@@ -269,7 +271,7 @@ def test_a_heavy_hanging_arm_is_stable_at_large_steps(integrator: str, step: flo
 
 @pytest.mark.moderate
 def test_a_thrown_finger_moves_as_in_another_simulator() -> None:
-    angle, place = np.array([error_of_throw(step) for step in (2e-3, 1e-3, 5e-4)]).T
+    angle, place = np.array([error_of_thrown_finger(step) for step in (2e-3, 1e-3, 5e-4)]).T
     assert angle[1] < 1e-4, angle
     assert place[1] < 4e-4, place
     assert np.log2(angle[:-1] / angle[1:]) == pytest.approx(2, abs=0.25)

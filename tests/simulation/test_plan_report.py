@@ -159,7 +159,7 @@ def test_links_that_are_merged_are_counted() -> None:
     assert spared > 5
 
 
-def plan_of(name: str, keeps_unused: bool) -> Plan:
+def plan_with_rows_between_checks(name: str, keeps_unused: bool) -> Plan:
     # rows in between looks, which fall on every eighth step
     return make_plan(dataclasses.replace(scene_from_file(name), every=3), keeps_unused)
 
@@ -179,7 +179,10 @@ def test_leaving_out_changes_no_byte(name: str) -> None:
     """Without motor rows and with them: what is left out in pairs cannot make up for itself."""
     pytest.importorskip("pybullet")
     steps = 20 if name == "crawler_scene.yaml" else 60
-    lean, whole = plan_of(name, False), plan_of(name, True)
+    lean, whole = (
+        plan_with_rows_between_checks(name, False),
+        plan_with_rows_between_checks(name, True),
+    )
     assert "<visual>" in whole.bodies[0].urdf
     assert "<collision>" in whole.bodies[0].urdf
     assert ("<collision>" in lean.bodies[0].urdf) is lean.can_touch

@@ -17,7 +17,7 @@ from somo_cli.problems import EngineRefused
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.run import RunSummary, run
-from tests.builders.fake_run import Ended
+from tests.builders.fake_run import FakeRun
 from tests.builders.fake_world import FakeWorld, plan_of_hinges
 from tests.builders.runs import rows_of
 from tests.builders.scenes import scene_from_file, scene_from_text
@@ -26,7 +26,9 @@ INTEGRATORS = ("implicit", "euler", "explicit")
 STEPS_AT_START = {"implicit": 2, "euler": 1, "explicit": 0}  # steps that are undone before the run
 
 
-def plan_of(columns: Iterable[str] = ("joint_angles",), every: int = 1, **more: Any) -> Plan:
+def plan_that_records_hinges(
+    columns: Iterable[str] = ("joint_angles",), every: int = 1, **more: Any
+) -> Plan:
     return plan_of_hinges(record={"every": every, "columns": list(columns)}, **more)
 
 
@@ -51,8 +53,8 @@ def test_every_recorded_step_has_one_row_and_progress_grows_to_the_end(
     integrator: str, columns: str, steps: int, every: int
 ) -> None:
     """Also where rates need half a step beyond the row, as those of the implicit integrator do."""
-    plan = plan_of([columns], every, integrator=integrator)
-    ended = Ended(plan, FakeWorld(plan), steps)
+    plan = plan_that_records_hinges([columns], every, integrator=integrator)
+    ended = FakeRun(plan, FakeWorld(plan), steps)
     expected = [every * row / 1000 for row in range(steps // every + 1)]
     assert ended.times == pytest.approx(expected, rel=1e-12)
     assert ended.summary == RunSummary(steps, steps // every + 1, 2.5)
@@ -64,10 +66,10 @@ def test_every_recorded_step_has_one_row_and_progress_grows_to_the_end(
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_what_is_recorded_does_not_depend_on_how_often(integrator: str) -> None:
     plans = [
-        plan_of(["joint_angles"], every, integrator=integrator, time_step=0.02)
+        plan_that_records_hinges(["joint_angles"], every, integrator=integrator, time_step=0.02)
         for every in (1, 5, 40)
     ]
-    rows = [Ended(plan, FakeWorld(plan), 40).rows for plan in plans]
+    rows = [FakeRun(plan, FakeWorld(plan), 40).rows for plan in plans]
     assert np.allclose(rows[1], rows[0][::5], rtol=0, atol=1e-12)
     assert np.allclose(rows[2], rows[0][::40], rtol=0, atol=1e-12)
 
@@ -75,8 +77,10 @@ def test_what_is_recorded_does_not_depend_on_how_often(integrator: str) -> None:
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_nothing_but_the_start(integrator: str) -> None:
     start = {"initial_angles": [0.2], "initial_rates": [-3.0]}
-    plan = plan_of(["joint_angles", "joint_rates", "actuation"], one=start, integrator=integrator)
-    ended = Ended(plan, FakeWorld(plan, load=2.0), 0)
+    plan = plan_that_records_hinges(
+        ["joint_angles", "joint_rates", "actuation"], one=start, integrator=integrator
+    )
+    ended = FakeRun(plan, FakeWorld(plan, load=2.0), 0)
     # the implicit law recovers the rate of the start to the second order of the step
     error = 1e-6 if integrator == "implicit" else 0.0
     assert np.allclose(ended.rows, [[0.0, 0.2, -3.0, 1.0]], rtol=0, atol=error)
@@ -86,19 +90,21 @@ def test_nothing_but_the_start(integrator: str) -> None:
 @pytest.mark.parametrize("columns", [["joint_angles"], ["joint_angles", "joint_rates"]])
 def test_the_world_is_stepped_as_often_as_asked(integrator: str, columns: list[str]) -> None:
     """But for the start, and for one step whose rates complete the last row's."""
-    plan = plan_of(columns, 10, integrator=integrator)
+    plan = plan_that_records_hinges(columns, 10, integrator=integrator)
     for steps in (10, 25):
         world = FakeWorld(plan)
-        Ended(plan, world, steps)
+        FakeRun(plan, world, steps)
         completes = integrator == "implicit" and "joint_rates" in columns and steps == 10
         assert world.steps == STEPS_AT_START[integrator] + steps + completes
 
 
 def test_implicit_rates_are_means_of_two_half_steps() -> None:
     for every in (1, 4):
-        plan = plan_of(["joint_rates"], every, one={"initial_rates": 1.0}, time_step=0.01)
+        plan = plan_that_records_hinges(
+            ["joint_rates"], every, one={"initial_rates": 1.0}, time_step=0.01
+        )
         world = FakeWorld(plan, load=0.5)
-        rows = Ended(plan, world, 20).rows
+        rows = FakeRun(plan, world, 20).rows
         halves = np.array(world.rates)[STEPS_AT_START["implicit"] :, 0]
         means = (halves[1:] + halves[:-1]) / 2  # at steps 1, 2, ...
         assert rows[0][1] == pytest.approx(1.0, abs=1e-3)
@@ -108,9 +114,9 @@ def test_implicit_rates_are_means_of_two_half_steps() -> None:
 @pytest.mark.parametrize("integrator", ["euler", "explicit"])
 def test_other_rates_are_those_of_the_world(integrator: str) -> None:
     one = {"initial_rates": 1.0}
-    plan = plan_of(["joint_rates"], one=one, integrator=integrator, time_step=0.01)
+    plan = plan_that_records_hinges(["joint_rates"], one=one, integrator=integrator, time_step=0.01)
     world = FakeWorld(plan, load=0.5)
-    rows = Ended(plan, world, 20).rows
+    rows = FakeRun(plan, world, 20).rows
     after = np.array(world.rates)[STEPS_AT_START[integrator] :, 0]
     assert [row[1] for row in rows] == [1.0, *after]
 
@@ -121,8 +127,8 @@ def test_a_row_holds_the_state_of_its_time() -> None:
         "actuation": [{"actuator": 0, "axis": 0, "waypoints": [[0, 0], [0.5, 5]]}],
         "initial_angles": 0.3,
     }
-    plan = plan_of(columns, 5, one=one, time_step=0.01)
-    rows = np.array(Ended(plan, FakeWorld(plan), 60).rows)
+    plan = plan_that_records_hinges(columns, 5, one=one, time_step=0.01)
+    rows = np.array(FakeRun(plan, FakeWorld(plan), 60).rows)
     assert np.allclose(rows[:, 2], -20.0 * (rows[:, 1] - 0.1), rtol=0, atol=1e-12)
     assert np.allclose(rows[:, 3], np.minimum(10 * rows[:, 0], 5.0), rtol=0, atol=1e-12)
 
@@ -134,9 +140,9 @@ def test_every_torque_change_acts_between_two_checks() -> None:
         points = [[0, 0], [time - 0.0005, 1], [time + 0.0005, 0]]
         drive = {"actuator": 0, "axis": 0, "waypoints": points, "interpolation": "step"}
         one = {"actuation": [drive], "initial_angles": 0.1}
-        plan = plan_of(["joint_angles"], 100, one=one, integrator="explicit")
+        plan = plan_that_records_hinges(["joint_angles"], 100, one=one, integrator="explicit")
         world = FakeWorld(plan)
-        Ended(plan, world, 50)
+        FakeRun(plan, world, 50)
         rates = np.array(world.rates)[:, 0]
         assert rates[:at] == pytest.approx(0, abs=1e-15)
         assert rates[at] == pytest.approx(0.001 * 1.0 / 0.5)
@@ -146,7 +152,7 @@ def test_every_torque_change_acts_between_two_checks() -> None:
 @pytest.mark.parametrize("rate", [1e9, -1e9, math.nan, math.inf, -math.inf])
 @pytest.mark.parametrize("at", [1, 5, 30])
 def test_a_run_that_diverges_stops(integrator: str, rate: float, at: int) -> None:
-    plan = plan_of(["joint_angles", "joint_rates"], integrator=integrator)
+    plan = plan_that_records_hinges(["joint_angles", "joint_rates"], integrator=integrator)
     world = FakeWorld(plan)
     joint = world.bodies[0]
 
@@ -154,7 +160,7 @@ def test_a_run_that_diverges_stops(integrator: str, rate: float, at: int) -> Non
         joint.rates = np.array([rate])
 
     world.at_step[STEPS_AT_START[integrator] + at] = kick
-    ended = Ended(plan, world, 100)
+    ended = FakeRun(plan, world, 100)
     assert ended.error is not None
     assert (ended.error.step, ended.error.name) == (at, "a.actuator_0_joint_01")
     assert ended.error.time == pytest.approx(0.001 * at)
@@ -163,14 +169,14 @@ def test_a_run_that_diverges_stops(integrator: str, rate: float, at: int) -> Non
 
 
 def test_divergence_between_rows_is_noticed_soon() -> None:
-    plan = plan_of(["joint_angles"], every=1000)
+    plan = plan_that_records_hinges(["joint_angles"], every=1000)
     world = FakeWorld(plan)
 
     def kick() -> None:
         world.bodies[0].rates = np.array([1e9])
 
     world.at_step[STEPS_AT_START["implicit"] + 100] = kick
-    ended = Ended(plan, world, 5000)
+    ended = FakeRun(plan, world, 5000)
     assert ended.error is not None
     assert 100 <= ended.error.step <= 120
     assert ended.times == [0.0]
@@ -178,17 +184,17 @@ def test_divergence_between_rows_is_noticed_soon() -> None:
 
 def test_bodies_come_in_the_order_of_the_plan() -> None:
     names = ["c", "a", "b"]
-    plan = plan_of(["joint_angles"], names=names)
+    plan = plan_that_records_hinges(["joint_angles"], names=names)
     world = FakeWorld(plan)
     for body, angle in zip(world.bodies, (0.1, 0.2, 0.3), strict=True):
         body.reset([angle], [0.0])
     # the state at the start is the world's, whatever the plan says
-    plan_explicit = plan_of(["joint_angles"], names=names, integrator="explicit")
-    assert Ended(plan_explicit, world, 0).rows == [[0.0, 0.1, 0.2, 0.3]]
+    plan_explicit = plan_that_records_hinges(["joint_angles"], names=names, integrator="explicit")
+    assert FakeRun(plan_explicit, world, 0).rows == [[0.0, 0.1, 0.2, 0.3]]
 
 
 def test_an_error_of_the_writer_ends_the_run() -> None:
-    plan = plan_of()
+    plan = plan_that_records_hinges()
     world = FakeWorld(plan)
     blocks: list[Array] = []
 
@@ -206,7 +212,7 @@ def test_an_error_of_the_writer_ends_the_run() -> None:
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt(), EngineRefused("a", "it is tired")])
 def test_whatever_ends_a_run_its_rows_are_written(error: BaseException) -> None:
-    plan = plan_of(["joint_angles", "joint_rates"])
+    plan = plan_that_records_hinges(["joint_angles", "joint_rates"])
     world = FakeWorld(plan)
     rows: list[list[float]] = []
 
@@ -221,7 +227,7 @@ def test_whatever_ends_a_run_its_rows_are_written(error: BaseException) -> None:
 
 
 def test_a_full_disk_does_not_hide_what_ended_the_run() -> None:
-    plan = plan_of()
+    plan = plan_that_records_hinges()
     world = FakeWorld(plan)
 
     def end() -> None:
@@ -240,7 +246,7 @@ def test_a_full_disk_does_not_hide_what_ended_the_run() -> None:
 @pytest.mark.parametrize(("is_live", "most"), [(True, 8), (False, 300)])
 def test_a_reader_need_not_wait(is_live: bool, most: int) -> None:
     """The clock advances a second whenever it is read; it is not read where nobody waits."""
-    plan = plan_of()
+    plan = plan_that_records_hinges()
     blocks: list[Array] = []
     clock = itertools.count(0.0, 1.0)
     run(plan, FakeWorld(plan), blocks.append, 2000, lambda: next(clock), is_live=is_live)

@@ -14,8 +14,8 @@ from tests.truth import (
     calibrated,
     estimates,
     fitted,
-    led,
     motion,
+    prescribed,
     shapes,
     surfaces,
     touching,
@@ -29,7 +29,17 @@ def main() -> None:
     arguments.add_argument("-o", "--output", metavar="FILE", type=Path)
     options = arguments.parse_args()
     found = []
-    sections = (beams, calibrated, fitted, motion, estimates, touching, surfaces, shapes, led)
+    sections = (
+        beams,
+        calibrated,
+        fitted,
+        motion,
+        estimates,
+        touching,
+        surfaces,
+        shapes,
+        prescribed,
+    )
     for section in (one.rows for one in sections):
         for _, part in itertools.groupby(section(), key=lambda row: row.what):
             rows = list(part)

@@ -29,8 +29,8 @@ from somo_cli.problems import SimulationDiverged
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.build import make_plan
-from tests.bench.accuracy import MOTIONS, scene_of, truth_of
-from tests.builders.mujoco_reference import model_of
+from tests.bench.accuracy import MOTIONS, driven_finger, driven_finger_in_mujoco
+from tests.builders.mujoco_reference import mujoco_model
 
 TENTH = 0.1  # s between two looks
 TARGETS = (1e-3, 3e-4, 1e-4, 3e-5, 1e-5)  # rad
@@ -69,7 +69,7 @@ def our_loop(scene: Scene, step: float) -> Loop:
 def their_loop(scene: Scene, step: float, name: str) -> Loop:
     """Return MuJoCo's stepping loop with one of its integrators."""
     chain = scene.manipulators[0].compiled.chain
-    model = model_of(chain, scene.gravity, step)
+    model = mujoco_model(chain, scene.gravity, step)
     model.opt.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{name.upper()}")
     si = make_plan(dataclasses.replace(scene, scale=type(scene.scale)()))
     drives = [(np.array(drive.joints), drive.signal) for drive in si.bodies[0].drives]
@@ -171,8 +171,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     mujoco.set_mju_user_warning(lambda message: None)
     peers = [name for name in PEERS if hasattr(mujoco.mjtIntegrator, f"mjINT_{name.upper()}")]
     for title, torque in MOTIONS.items():
-        scene = scene_of(torque)
-        truth = truth_of(scene)
+        scene = driven_finger(torque)
+        truth = driven_finger_in_mujoco(scene)
         print(f"\n{title}\n  {'':14} {'step [s]':>9} {'error [rad]':>12} {'time [ms]':>10}")
         curves = {
             "somo implicit": measured(

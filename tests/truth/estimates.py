@@ -12,7 +12,7 @@ from somo_cli.analysis.error_estimate import estimate
 from somo_cli.scene.model import Integrator, Scene
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.build import make_plan
-from tests.bench.accuracy import MOTIONS, scene_of, truth_of
+from tests.bench.accuracy import MOTIONS, driven_finger, driven_finger_in_mujoco
 from tests.builders import pendulum
 from tests.builders.runs import in_turn, rows_of
 from tests.truth.table import Row
@@ -27,8 +27,8 @@ def rows() -> Iterator[Row]:
         for step in STEPS:
             yield of_hinge(integrator, step)
     for title, torque in MOTIONS.items():
-        scene = scene_of(torque)
-        truth = truth_of(scene)
+        scene = driven_finger(torque)
+        truth = driven_finger_in_mujoco(scene)
         for integrator in ("implicit", "euler"):
             for step in STEPS:
                 yield of_finger(title.partition(":")[0], scene, truth, integrator, step)
@@ -36,11 +36,13 @@ def rows() -> Iterator[Row]:
 
 def of_hinge(integrator: Integrator, step: float) -> Row:
     """Return the ratio for the damped hinge, at every hundredth of a second."""
-    scene = dataclasses.replace(pendulum.hinge(integrator, step), every=round(0.01 / step))
+    scene = dataclasses.replace(pendulum.pendulum_scene(integrator, step), every=round(0.01 / step))
     found = np.array(rows_of(scene, round(1 / step)))
-    exact = 0.3 + closed_forms.oscillator(found[:, 0], pendulum.INERTIA, 0.5, 50.0, (-0.3, 0.0))
+    exact = 0.3 + closed_forms.oscillator(
+        found[:, 0], pendulum.PENDULUM_INERTIA, 0.5, 50.0, (-0.3, 0.0)
+    )
     true = float(np.abs(found[:, 1] - exact).max())
-    return _row(f"hinge, {integrator}", step, told(scene)[0], true)
+    return _row(f"hinge, {integrator}", step, reported_errors(scene)[0], true)
 
 
 def of_finger(
@@ -52,10 +54,10 @@ def of_finger(
     )
     found = np.array(rows_of(scene, round(1 / step)))[1:, 1:]
     true = float(np.abs(found - truth).max())
-    return _row(f"{name} finger, {integrator}", step, float(told(scene).max()), true)
+    return _row(f"{name} finger, {integrator}", step, float(reported_errors(scene).max()), true)
 
 
-def told(scene: Scene) -> np.ndarray:
+def reported_errors(scene: Scene) -> np.ndarray:
     """Return the largest error over one second that is told of each column."""
     plan, steps = make_plan(scene), round(1 / scene.time_step)
     found = estimate(plan, in_turn(rows_of(plan, steps)), steps, BulletWorld, lambda: 0.0)

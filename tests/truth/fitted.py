@@ -25,7 +25,7 @@ TIP = ("tip.x_m", "tip.y_m", "tip.z_m")
 PULSES = [[0, 0], [0.02, 0.012], [0.3, 0.012], [0.32, -0.01], [0.6, -0.01], [0.62, 0.004]]
 
 
-def finger(stiffness: Sequence[float], damping: Sequence[float]) -> Data:
+def fitted_finger(stiffness: Sequence[float], damping: Sequence[float]) -> Data:
     """Return a finger of 0.1 m and 30 g in six joints, 15 g at its tip."""
     joints = [
         hinge(*axis, spring_stiffness=stiffness[number], spring_damping=damping[number])
@@ -37,7 +37,7 @@ def finger(stiffness: Sequence[float], damping: Sequence[float]) -> Data:
     return manipulator(body, world_scale=20, tip_definition=tip)
 
 
-def scene_of(
+def driven_finger(
     stiffness: Sequence[float] = (0.1, 0.3),
     damping: Sequence[float] = (4e-4, 6e-4),
     gain: float = 1.0,
@@ -52,12 +52,12 @@ def scene_of(
         }
         for axis, size in ((0, 1.0), (1, 3.0))
     ]
-    one = {"definition": finger(stiffness, damping), "actuation": drives}
+    one = {"definition": fitted_finger(stiffness, damping), "actuation": drives}
     data = {"manipulators": [one], "record": {"every": 10}, "time_step": 1e-3, **of_scene}
     return scene_from_text(json.dumps(data))
 
 
-def recorded(
+def noisy_table(
     scene: Scene, steps: int, names: Sequence[str], noise: float = 0.0, seed: int = 1
 ) -> str:
     """Return the CSV of some columns of a run, with noise on all but the time."""
@@ -94,7 +94,7 @@ def off(found: FitResult) -> dict[str, float]:
 
 def noisy(seed: int = 1) -> str:
     """Return one second of a tip seen by a camera at 100 Hz, with 0.1 mm of noise."""
-    return recorded(scene_of(), 1000, TIP, noise=1e-4, seed=seed)
+    return noisy_table(driven_finger(), 1000, TIP, noise=1e-4, seed=seed)
 
 
 def halves(text: str) -> dict[str, str]:
@@ -113,7 +113,7 @@ def rows() -> Iterator[Row]:
     worst: dict[str, float] = {}
     for seed in range(4):
         for name, text in halves(noisy(seed)).items():
-            found, _ = fitted(scene_of(**GUESS), text)
+            found, _ = fitted(driven_finger(**GUESS), text)
             largest = max(map(abs, off(found).values()))
             worst[name] = max(worst.get(name, 0.0), largest)
     what = "fit of six parameters, 0.1 mm of noise: largest relative error in four recordings"

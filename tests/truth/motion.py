@@ -130,13 +130,13 @@ def _of_transient(scene: Scene, integrator: Integrator, exact: np.ndarray) -> li
 
 def single_joints() -> Iterator[Row]:
     """Yield a pendulum's period over its swing, its motion over steps, and a damped hinge."""
-    text = pendulum.HINGE.replace(
+    text = pendulum.PENDULUM.replace(
         "spring_stiffness: 50, spring_damping: 0.5", "spring_stiffness: 0"
     )
     scene = scene_from_text(
         text.replace("joint_neutral_position: 0.3", "joint_neutral_position: 0")
     )
-    frequency = math.sqrt(9.81 * 0.5 / pendulum.INERTIA)
+    frequency = math.sqrt(9.81 * 0.5 / pendulum.PENDULUM_INERTIA)
     for swing in (0.1, 1.0, 2.0, 3.0):
         exact = 2 / math.pi * float(ellipk(math.sin(swing / 2) ** 2))
         found = _period(scene, swing, 1e-3) * frequency / (2 * math.pi)
@@ -145,9 +145,9 @@ def single_joints() -> Iterator[Row]:
     for integrator in ("implicit", "euler", "explicit"):
         errors = []
         for step in STEPS:
-            rows = np.array(rows_of(pendulum.hinge(integrator, step), round(1 / step)))
+            rows = np.array(rows_of(pendulum.pendulum_scene(integrator, step), round(1 / step)))
             exact_angles = 0.3 + closed_forms.oscillator(
-                rows[:, 0], pendulum.INERTIA, 0.5, 50.0, (-0.3, 0.0)
+                rows[:, 0], pendulum.PENDULUM_INERTIA, 0.5, 50.0, (-0.3, 0.0)
             )
             off = float(np.abs(rows[:, 1] - exact_angles).max())
             last = float(rows[-1, 1]), float(exact_angles[-1])
@@ -183,7 +183,10 @@ def conserved() -> Iterator[Row]:
     )
     steps = (1e-3, 5e-4, 2.5e-4)
     for number, name in enumerate(("linear momentum", "angular momentum")):
-        lost = [momentum.loss_of_momentum(step, "implicit")[number] for step in steps]
+        lost = [
+            momentum.loss_of_momentum(fingers.spinning_finger(step, "implicit"))[number]
+            for step in steps
+        ]
         rows = [
             Row(
                 "momentum of a free chain, share lost in half a second",
@@ -220,7 +223,7 @@ def energy_drift(step: float, time: float) -> tuple[float, float]:
 def fall(step: float) -> float:
     """Return how far the centre of mass of a thrown finger is from its parabola after 0.2 s [m]."""
     scene = dataclasses.replace(
-        fingers.thrown(step), every=round(0.2 / step), columns=("joint_angles", "base_pose")
+        fingers.thrown_finger(step), every=round(0.2 / step), columns=("joint_angles", "base_pose")
     )
     plan = make_plan(scene)
     rows = np.array(rows_of(scene, round(0.2 / step)))

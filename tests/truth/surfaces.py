@@ -10,10 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from somo_cli.scene import columns
 from somo_cli.scene.model import Scene
-from somo_cli.simulation.plan.build import make_plan
-from tests.builders.runs import rows_of
+from tests.builders.runs import columns_of
 from tests.builders.scenes import scene_from_file, scene_from_text
 from tests.truth.table import Row, ordered
 from tests.truth.touching import STEPS, G, last_row, with_cubes
@@ -27,9 +25,7 @@ FACTORS = (1.0, 0.2, 1.0)
 
 def course(scene: Scene, step: float, time: float) -> dict[str, np.ndarray]:
     """Return the columns of a run, every step."""
-    plan = make_plan(dataclasses.replace(scene, time_step=step))
-    found = np.array(rows_of(plan, round(time / step)))
-    return dict(zip(columns.header(plan.recorded), found.T, strict=True))
+    return columns_of(dataclasses.replace(scene, time_step=step), round(time / step))
 
 
 def rebound(restitution: float, step: float, height: float) -> float:

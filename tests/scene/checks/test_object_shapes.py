@@ -12,12 +12,12 @@ from somo_cli.scene import object_shapes
 from somo_cli.scene.extents import min_height
 from tests.builders.definitions import Data
 from tests.builders.meshes import corners, obj
-from tests.builders.rigid_objects import PILL, ROUNDED_CUBE, told
+from tests.builders.rigid_objects import PILL, ROUNDED_CUBE, object_problems
 
 
 def test_nothing_is_wrong_with_these() -> None:
-    assert told(ROUNDED_CUBE, PILL) == []
-    assert told({**ROUNDED_CUBE, "fixed": True}, {**PILL, "fixed": True}) == []
+    assert object_problems(ROUNDED_CUBE, PILL) == []
+    assert object_problems({**ROUNDED_CUBE, "fixed": True}, {**PILL, "fixed": True}) == []
 
 
 @pytest.mark.parametrize(
@@ -39,20 +39,20 @@ def test_nothing_is_wrong_with_these() -> None:
     ],
 )
 def test_what_is_wrong(thing: Data, message: str) -> None:
-    assert told(thing, ground={}) == [message]
+    assert object_problems(thing, ground={}) == [message]
 
 
 def test_a_mesh_in_the_ground() -> None:
     cube = {"source": "a.obj", "text": obj(corners((0.06, 0.06, 0.06), (0.1, 0.0, 0.03)))}
     mesh = {"name": "m", "shape_type": "mesh", "mesh": cube, "mass": 1}
-    assert told(mesh, ground={}) == []
-    assert told({**mesh, "position": [0, 0, -0.02]}, ground={}) == [
+    assert object_problems(mesh, ground={}) == []
+    assert object_problems({**mesh, "position": [0, 0, -0.02]}, ground={}) == [
         "it starts 0.02 m inside the ground"
     ]
     # turned about the origin of its frame, it reaches as far down as it lay aside
     turned = {**mesh, "rpy": [0, math.pi / 2, 0]}
-    assert told(turned, ground={}) == ["it starts 0.13 m inside the ground"]
-    assert told({**turned, "fixed": True}, ground={}) == []
+    assert object_problems(turned, ground={}) == ["it starts 0.13 m inside the ground"]
+    assert object_problems({**turned, "fixed": True}, ground={}) == []
 
 
 def test_a_urdf_in_the_ground() -> None:
@@ -61,15 +61,15 @@ def test_a_urdf_in_the_ground() -> None:
     high = low.replace("-1", "1")
     text = f'<robot><link name="a">{inertial}{high}{low}</link></robot>'
     data = {"name": "u", "shape_type": "urdf", "urdf": {"source": "a.urdf", "text": text}}
-    assert told({**data, "position": [0, 0, 1.5]}, ground={}) == []
-    assert told(data, ground={}) == ["it starts 1.5 m inside the ground"]
+    assert object_problems({**data, "position": [0, 0, 1.5]}, ground={}) == []
+    assert object_problems(data, ground={}) == ["it starts 1.5 m inside the ground"]
 
 
 def test_more_shapes_than_the_engine_takes() -> None:
     pill = '<collision><geometry><capsule length="1" radius="1"/></geometry></collision>'
     text = f'<robot><link name="a">{6 * pill}</link></robot>'
     file = {"source": "a.urdf", "text": text}
-    assert told({"name": "u", "shape_type": "urdf", "urdf": file, "fixed": True}) == [
+    assert object_problems({"name": "u", "shape_type": "urdf", "urdf": file, "fixed": True}) == [
         "it has 18 shapes, a capsule counting as three, and the engine takes 16"
     ]
 
@@ -79,9 +79,9 @@ def test_a_body_that_resists_no_turn() -> None:
     ball = '<collision><geometry><sphere radius="1"/></geometry></collision>'
     text = f'<robot><link name="a">{inertial}{ball}</link></robot>'
     data = {"name": "u", "shape_type": "urdf", "urdf": {"source": "a.urdf", "text": text}}
-    assert told(data) == ["the moments of inertia of the whole are 0, 0 and 0 kg·m²"]
+    assert object_problems(data) == ["the moments of inertia of the whole are 0, 0 and 0 kg·m²"]
     frame = {**data, "urdf": {"source": "a.urdf", "text": text.replace('"1"/><in', '"0"/><in')}}
-    assert told(frame) == ["no link has a mass"]
+    assert object_problems(frame) == ["no link has a mass"]
 
 
 def test_the_lowest_point_of_what_is_round() -> None:

@@ -23,7 +23,7 @@ CUBE: Data = {"name": "cube", "shape_type": "box", "dimensions": [0.04] * 3, "ma
 PALM: Data = {"name": "palm", "shape_type": "box", "dimensions": [0.2, 0.2, 0.02], "fixed": True}
 
 
-def told(*objects: Data, others: tuple[Data, ...] = (), **of_scene: Any) -> list[str]:
+def overlap_messages(*objects: Data, others: tuple[Data, ...] = (), **of_scene: Any) -> list[str]:
     """Return every error of a scene, its place by the line's own text."""
     one = {"definition": BODY, "position": [9, 9, 9]}
     data = {"manipulators": [one, *others], "objects": list(objects), **of_scene}
@@ -38,23 +38,23 @@ def told(*objects: Data, others: tuple[Data, ...] = (), **of_scene: Any) -> list
 
 
 def test_two_objects() -> None:
-    assert told(PALM, {**CUBE, "position": [0.05, 0, 0.0279]}) == [
+    assert overlap_messages(PALM, {**CUBE, "position": [0.05, 0, 0.0279]}) == [
         "'cube' overlaps 'palm' by 2.1 mm at the start"
     ]
 
 
 @pytest.mark.parametrize("height", [0.03, 0.02999, 0.031, 1.0])
 def test_what_touches_does_not_overlap(height: float) -> None:
-    assert told(PALM, {**CUBE, "position": [0.05, 0, height]}) == []
+    assert overlap_messages(PALM, {**CUBE, "position": [0.05, 0, height]}) == []
 
 
 def test_what_has_a_place_does_not_overlap() -> None:
-    assert told({**CUBE, "place": {"on": "palm"}}, PALM) == []
+    assert overlap_messages({**CUBE, "place": {"on": "palm"}}, PALM) == []
 
 
 def test_what_is_placed_beside_what_it_does_not_know() -> None:
     other = {**CUBE, "name": "other", "position": [0.039, 0, 0.03]}
-    assert told({**CUBE, "place": {"on": "palm"}}, PALM, other) == [
+    assert overlap_messages({**CUBE, "place": {"on": "palm"}}, PALM, other) == [
         "'other' overlaps 'cube' by 1 mm at the start"
     ]
 
@@ -68,19 +68,19 @@ def test_what_cannot_move_may_stand_in_what_cannot() -> None:
     )
     low = {**PALM, "position": [0, 0, -0.02]}
     deep = {**moved, "position": [0, 0, -0.02]}
-    assert told(low, deep, ground={"height": -0.02}) == []
-    assert told(low, deep, others=bases[:1], ground={"height": -0.005}) == []
-    assert told(low, deep, others=bases[1:], ground={"height": -0.005}) == []
+    assert overlap_messages(low, deep, ground={"height": -0.02}) == []
+    assert overlap_messages(low, deep, others=bases[:1], ground={"height": -0.005}) == []
+    assert overlap_messages(low, deep, others=bases[1:], ground={"height": -0.005}) == []
 
 
 def test_two_manipulators_and_a_manipulator_in_the_ground() -> None:
     two = tuple(
         {"definition": BODY, "name": f"n{n}", "position": [0, 0.015 * n, 0]} for n in (0, 1)
     )
-    (found,) = told(others=two)
+    (found,) = overlap_messages(others=two)
     assert found == "'n1' overlaps 'n0' by 2 mm at the start"
     free = {"definition": BODY, "name": "free", "base": "free", "position": [0, 0, 0.01]}
-    assert told(others=(free,), ground={}) == []
+    assert overlap_messages(others=(free,), ground={}) == []
 
 
 def test_a_scene_in_which_nothing_can_touch_asks_no_engine(
@@ -93,7 +93,7 @@ def test_a_scene_in_which_nothing_can_touch_asks_no_engine(
 
 def test_without_an_engine_nothing_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pybullet", None)
-    assert told(PALM, CUBE) == []
+    assert overlap_messages(PALM, CUBE) == []
 
 
 @pytest.mark.moderate

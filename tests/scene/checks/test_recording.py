@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 import pytest
 
-from somo_cli.document.parse import parse
-from somo_cli.scene.checks import scene as scene_checks
-from tests.builders.rigid_objects import CUBE, scene_of
+from tests.builders.rigid_objects import CUBE, scene_of_objects
+from tests.builders.scene_problems import messages_and_hints, messages_of
 
 
-def told(record: dict[str, Any], **of_scene: Any) -> list[tuple[str, str | None]]:
-    scene = {**scene_of(CUBE, **of_scene), "record": record}
-    return [
-        (one.message, one.hint)
-        for one in scene_checks.scene_problems(parse(json.dumps(scene), "a.json"))
-    ]
+def record_problems(record: dict[str, Any], **of_scene: Any) -> list[tuple[str, str | None]]:
+    scene = {**scene_of_objects(CUBE, **of_scene), "record": record}
+    return messages_and_hints(scene)
 
 
 def test_patterns_that_match() -> None:
-    assert told({"only": ["body.tip.*", "cube.pose.[xy]_m", "*.contact.body.*"]}) == []
-    assert told({"only": ["*"], "columns": [], "objects": ["angles"]}) == []
+    assert record_problems({"only": ["body.tip.*", "cube.pose.[xy]_m", "*.contact.body.*"]}) == []
+    assert record_problems({"only": ["*"], "columns": [], "objects": ["angles"]}) == []
 
 
 @pytest.mark.parametrize(
@@ -44,7 +39,7 @@ def test_patterns_that_match() -> None:
     ],
 )
 def test_a_pattern_that_matches_nothing(record: dict[str, Any], pattern: str, hint: str) -> None:
-    found = told({**record, "only": ["*.x_m", pattern]})
+    found = record_problems({**record, "only": ["*.x_m", pattern]})
     assert found == [(f"no column matches '{pattern}'", hint)]
 
 
@@ -52,11 +47,10 @@ def test_the_ground_is_not_told_from_an_object_of_its_name() -> None:
     other = {**CUBE, "name": "ground", "position": [1, 0, 0.02]}
     message = "an object is called ground, as is the ground in columns of contacts"
     for record in ({"objects": ["contact_pairs"]}, {"events": True}):
-        scene = {**scene_of(CUBE, other, ground={}), "record": record}
-        (found,) = scene_checks.scene_problems(parse(json.dumps(scene), "a.json"))
-        assert found.message == message
+        scene = {**scene_of_objects(CUBE, other, ground={}), "record": record}
+        assert messages_of(scene) == [message]
         # without a ground, or without columns of contacts, it may be called so
         del scene["ground"]
-        assert scene_checks.scene_problems(parse(json.dumps(scene), "a.json")) == ()
-    scene = {**scene_of(CUBE, other, ground={}), "record": {}}
-    assert scene_checks.scene_problems(parse(json.dumps(scene), "a.json")) == ()
+        assert messages_of(scene) == []
+    scene = {**scene_of_objects(CUBE, other, ground={}), "record": {}}
+    assert messages_of(scene) == []

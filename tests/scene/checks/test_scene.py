@@ -10,40 +10,33 @@ from typing import Any
 import pytest
 
 from somo_cli import loading
-from somo_cli.document.parse import parse
 from somo_cli.manipulator import assembly_chain
 from somo_cli.manipulator import compile as compiler
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.definition import Definition
-from somo_cli.scene.checks import scene as scene_checks
 from tests.builders.definitions import X, Y, actuator, hinge, manipulator
+from tests.builders.scene_problems import texts_and_messages
 
 BODY = manipulator(actuator(2, X, Y), actuator(1, X))
-Told = tuple[str, str]  # the text at the place, the message
+TextAndMessage = tuple[str, str]  # the text at the place, the message
 
 
-def told_of(data: dict[str, Any]) -> list[Told]:
-    text = json.dumps(data, indent=1)
-    lines = text.splitlines()
-    found = []
-    for problem in scene_checks.scene_problems(parse(text, "a.json")):
-        line, start = lines[problem.span.line - 1], problem.span.column - 1
-        found.append((line[start : start + problem.span.width], problem.message))
-    return found
+def manipulator_problems(
+    *, in_scene: dict[str, Any] | None = None, **of_manipulator: Any
+) -> list[TextAndMessage]:
+    return texts_and_messages(
+        {"manipulators": [{"definition": BODY, **of_manipulator}], **(in_scene or {})}
+    )
 
 
-def told(*, in_scene: dict[str, Any] | None = None, **of_manipulator: Any) -> list[Told]:
-    return told_of({"manipulators": [{"definition": BODY, **of_manipulator}], **(in_scene or {})})
-
-
-def told_of_drive(**of_drive: Any) -> list[Told]:
-    return told(actuation=[{"actuator": 0, "axis": 0, **of_drive}])
+def drive_problems(**of_drive: Any) -> list[TextAndMessage]:
+    return manipulator_problems(actuation=[{"actuator": 0, "axis": 0, **of_drive}])
 
 
 def test_nothing_is_said_of_a_sound_scene() -> None:
-    assert told() == []
+    assert manipulator_problems() == []
     assert (
-        told(
+        manipulator_problems(
             base="free",
             linear_velocity=[1, 2, 3],
             angular_velocity=[1, 2, 3],
@@ -60,7 +53,9 @@ def test_nothing_is_said_of_a_sound_scene() -> None:
 
 def test_a_fault_in_a_definition_is_told_at_its_place() -> None:
     two_axes = manipulator(actuator(2, X, Y, planar_flag=1))
-    assert [text for text, _ in told(definition=two_axes)] == ['"joint_definitions"']
+    assert [text for text, _ in manipulator_problems(definition=two_axes)] == [
+        '"joint_definitions"'
+    ]
 
 
 def test_a_base_that_is_held_has_no_velocity() -> None:
@@ -68,27 +63,27 @@ def test_a_base_that_is_held_has_no_velocity() -> None:
     for key in ("linear_velocity", "angular_velocity"):
         for base in ("static", "constrained"):
             said = (f'"{key}"', message.format(key, base))
-            assert told(**{key: [0, 0, 1], "base": base}) == [said]
-        assert told(**{key: [0, 0, 1], "base": "free"}) == []
+            assert manipulator_problems(**{key: [0, 0, 1], "base": base}) == [said]
+        assert manipulator_problems(**{key: [0, 0, 1], "base": "free"}) == []
 
 
 def test_a_drive_has_torque_or_waypoints() -> None:
-    assert [message for _, message in told_of_drive()] == [
+    assert [message for _, message in drive_problems()] == [
         "missing torque, pressure, wave, trajectory or waypoints"
     ]
-    both = told_of_drive(torque=1, waypoints=[[0, 1]])
+    both = drive_problems(torque=1, waypoints=[[0, 1]])
     assert both == [('"waypoints"', "both torque and waypoints are given")]
     for key, value in (("interpolation", "cubic"), ("repeat", True)):
-        assert told_of_drive(torque=1, **{key: value}) == [
+        assert drive_problems(torque=1, **{key: value}) == [
             (f'"{key}"', f"{key} has no meaning beside a constant torque")
         ]
 
 
-def driven(per_pressure: list[float | None], **of_drive: Any) -> list[Told]:
+def driven(per_pressure: list[float | None], **of_drive: Any) -> list[TextAndMessage]:
     joints = [hinge(1, 0, 0, torque_per_pressure=value) for value in per_pressure]
     body = manipulator(actuator(len(joints), *joints, planar_flag=2))
     entry = {"actuator": 0, "axis": 0, **of_drive}
-    return told(definition=body, actuation=[entry])
+    return manipulator_problems(definition=body, actuation=[entry])
 
 
 def test_pressure_needs_to_be_known_as_torque() -> None:
@@ -118,7 +113,7 @@ def test_a_drive_has_one_input() -> None:
 
 
 def test_times_increase() -> None:
-    found = told_of_drive(waypoints=[[0, 1], [2, 1], [2, 3], [1, 0], [5, 0]])
+    found = drive_problems(waypoints=[[0, 1], [2, 1], [2, 3], [1, 0], [5, 0]])
     assert [message for _, message in found] == [
         "time 2 s does not come after 2 s",
         "time 1 s does not come after 2 s",
@@ -150,12 +145,12 @@ def test_times_increase() -> None:
     ],
 )
 def test_what_repeats(points: list[list[float]], interpolation: str, messages: list[str]) -> None:
-    found = told_of_drive(waypoints=points, interpolation=interpolation, repeat=True)
+    found = drive_problems(waypoints=points, interpolation=interpolation, repeat=True)
     assert [message for _, message in found] == messages
 
 
 def test_numbers_for_every_joint() -> None:
-    found = told(initial_angles=[0, 0], initial_rates=[0, 0, 0, 0])
+    found = manipulator_problems(initial_angles=[0, 0], initial_rates=[0, 0, 0, 0])
     assert [message for _, message in found] == [
         "initial_angles has 2 values for 3 joints",
         "initial_rates has 4 values for 3 joints",
@@ -163,28 +158,30 @@ def test_numbers_for_every_joint() -> None:
 
 
 def test_a_joint_starts_within_its_limits() -> None:
-    assert told(initial_angles=[0, 3.5, -4]) == [
+    assert manipulator_problems(initial_angles=[0, 3.5, -4]) == [
         ("3.5", "joint 'actuator_0_joint_02' starts at 3.5 rad, outside its limits [-3, 3]"),
         ("-4", "joint 'actuator_1_joint_01' starts at -4 rad, outside its limits [-3, 3]"),
     ]
-    assert told(initial_angles=3.5) == [
+    assert manipulator_problems(initial_angles=3.5) == [
         ("3.5", "joint 'actuator_0_joint_01' starts at 3.5 rad, outside its limits [-3, 3]")
     ]
     away = manipulator(actuator(1, hinge(1, 0, 0, limits=[0.5, 1, 1, 1])))
-    assert told(definition=away) == [
+    assert manipulator_problems(definition=away) == [
         (
             '"definition"',
             "joint 'actuator_0_joint_01' starts at 0 rad, outside its limits [0.5, 1]",
         )
     ]
-    assert told(definition=away, initial_angles=0.5) == []
+    assert manipulator_problems(definition=away, initial_angles=0.5) == []
     endless = manipulator(actuator(1, {**X, "joint_type": "continuous", "limits": None}))
-    assert told(definition=endless, initial_angles=99) == []
+    assert manipulator_problems(definition=endless, initial_angles=99) == []
 
 
 def test_what_is_driven_exists() -> None:
     drives = [(2, 0), (1, 1), (0, 0), (0, 1), (0, 0)]
-    found = told(actuation=[{"actuator": a, "axis": x, "torque": 1} for a, x in drives])
+    found = manipulator_problems(
+        actuation=[{"actuator": a, "axis": x, "torque": 1} for a, x in drives]
+    )
     assert [message for _, message in found] == [
         "there is no actuator 2",
         "actuator 1 has no axis 1",
@@ -194,7 +191,7 @@ def test_what_is_driven_exists() -> None:
 
 def test_a_load_is_on_a_link_and_does_something() -> None:
     push = {"force": [1, 0, 0]}
-    found = told(
+    found = manipulator_problems(
         loads=[
             {**push, "link": "tip"},
             {**push, "link": "actuator_0_segment_02"},
@@ -211,12 +208,14 @@ def test_a_load_is_on_a_link_and_does_something() -> None:
         "a load on the base does nothing, because the base is static",
         "this load is zero at all times",
     ]
-    assert told(loads=[{**push, "link": "base"}], base="free") == []
+    assert manipulator_problems(loads=[{**push, "link": "base"}], base="free") == []
 
 
 def test_waypoints_of_a_load_are_judged_like_those_of_a_torque() -> None:
     points = {"waypoints": [[0, 1], [0, 1], [2, 0.5]], "interpolation": "cubic", "repeat": True}
-    messages = [message for _, message in told(loads=[{"force": [1, 0, 0], **points}])]
+    messages = [
+        message for _, message in manipulator_problems(loads=[{"force": [1, 0, 0], **points}])
+    ]
     assert messages == [
         "time 0 s does not come after 0 s",
         "a repeated cubic ends at the factor it starts with, 1, not 0.5",
@@ -226,10 +225,13 @@ def test_waypoints_of_a_load_are_judged_like_those_of_a_torque() -> None:
 def test_names_are_unique() -> None:
     message = "two manipulators are called 'body'"
     twice = [{"definition": BODY}, {"definition": BODY}]
-    assert told_of({"manipulators": twice}) == [('"definition"', message)]
+    assert texts_and_messages({"manipulators": twice}) == [('"definition"', message)]
     named = [{"definition": BODY}, {"definition": BODY, "name": "body"}]
-    assert told_of({"manipulators": named}) == [('"body"', message)]
-    assert told_of({"manipulators": [{"definition": BODY}, {**twice[0], "name": "b"}]}) == []
+    assert texts_and_messages({"manipulators": named}) == [('"body"', message)]
+    assert (
+        texts_and_messages({"manipulators": [{"definition": BODY}, {**twice[0], "name": "b"}]})
+        == []
+    )
 
 
 def test_definitions_agree_on_the_scale_or_the_scene_decides() -> None:
@@ -237,22 +239,22 @@ def test_definitions_agree_on_the_scale_or_the_scene_decides() -> None:
     heavy = {"name": "c", "definition": {**BODY, "world_scale": {"length": 1, "mass": 5}}}
     one = {"definition": BODY}
     message = "this definition has world scale {}, the first one 1"
-    assert told_of({"manipulators": [one, twenty, heavy]}) == [
+    assert texts_and_messages({"manipulators": [one, twenty, heavy]}) == [
         ('"definition"', message.format("20")),
         ('"definition"', message.format("1 (mass 5)")),
     ]
-    assert told_of({"manipulators": [one, twenty], "world_scale": 3}) == []
+    assert texts_and_messages({"manipulators": [one, twenty], "world_scale": 3}) == []
 
 
 def test_a_scene_is_no_definition() -> None:
     scene = {"manipulators": [{"definition": BODY}]}
-    assert told_of({"manipulators": [{"definition": scene}]}) == [
+    assert texts_and_messages({"manipulators": [{"definition": scene}]}) == [
         ('"manipulators"', "this is a scene, not a manipulator definition")
     ]
 
 
 def test_all_faults_come_at_once_and_in_reading_order() -> None:
-    found = told(
+    found = manipulator_problems(
         linear_velocity=[0, 0, 1],
         initial_angles=[0],
         actuation=[{"actuator": 0, "axis": 0}, {"actuator": 5, "axis": 0, "torque": "much"}],
@@ -321,7 +323,7 @@ def test_no_value_at_all_makes_it_stumble(place: tuple[str | int, ...], value: o
     for step in way:
         at = at[step]
     at[last] = value
-    told_of(data["all"])
+    texts_and_messages(data["all"])
 
 
 def test_each_definition_is_compiled_once(monkeypatch: pytest.MonkeyPatch) -> None:

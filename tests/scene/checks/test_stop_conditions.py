@@ -2,30 +2,25 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 import pytest
 
-from somo_cli.document.parse import parse
-from somo_cli.scene.checks import scene as scene_checks
-from tests.builders.rigid_objects import BALL, CUBE, scene_of
+from tests.builders.rigid_objects import BALL, CUBE, scene_of_objects
+from tests.builders.scene_problems import messages_and_hints
 
 BOX = {"z": [0, 1]}
 
 
-def told(*conditions: Any) -> list[tuple[str, str | None]]:
+def stop_problems(*conditions: Any) -> list[tuple[str, str | None]]:
     table = {**CUBE, "name": "table", "fixed": True, "position": [0, 0, -0.02]}
-    scene = scene_of(CUBE, BALL, table, stop=list(conditions))
-    return [
-        (one.message, one.hint)
-        for one in scene_checks.scene_problems(parse(json.dumps(scene), "a.json"))
-    ]
+    scene = scene_of_objects(CUBE, BALL, table, stop=list(conditions))
+    return messages_and_hints(scene)
 
 
 def test_what_is_right() -> None:
-    assert told() == []
-    assert told({"time": 1}, {"at_rest": {}}, {"object": "cube", "leaves": BOX}) == []
+    assert stop_problems() == []
+    assert stop_problems({"time": 1}, {"at_rest": {}}, {"object": "cube", "leaves": BOX}) == []
 
 
 @pytest.mark.parametrize(
@@ -53,7 +48,7 @@ def test_what_is_right() -> None:
     ],
 )
 def test_what_is_wrong(condition: dict[str, Any], message: str, hint: str) -> None:
-    ((found, advice),) = told({"time": 3}, condition)
+    ((found, advice),) = stop_problems({"time": 3}, condition)
     assert found == message
     assert advice is not None
     assert advice.startswith(hint)
@@ -74,4 +69,4 @@ def test_what_is_wrong(condition: dict[str, Any], message: str, hint: str) -> No
     ],
 )
 def test_what_the_schema_refuses(condition: dict[str, Any]) -> None:
-    assert len(told(condition)) == 1
+    assert len(stop_problems(condition)) == 1

@@ -12,34 +12,28 @@ from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics, ChainPose
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
+from tests.builders.matrices import stiffness_by_differences
 from tests.builders.scenes import scene_from_file
 
 SCENES = ("scene.yaml", "three_axis_finger_scene.yaml", "arm_scene.yaml")
 BASE = Pose.of((0.1, 0.2, 0.3), (0.3, -0.4, 1.2))
 
 
-def plan_of(name: str, **changes: object) -> Plan:
+def plan_of_file(name: str, **changes: object) -> Plan:
     scene = scene_from_file(name)
     one = dataclasses.replace(scene.manipulators[0], **changes)  # type: ignore[arg-type]
     return make_plan(dataclasses.replace(scene, manipulators=(one,)))
 
 
-def bent(plan: Plan, base: Pose = BASE) -> ChainPose:
+def bent_chain(plan: Plan, base: Pose = BASE) -> ChainPose:
     chain = ChainDynamics(plan.bodies[0].chain)
     return chain.at(np.random.default_rng(7).uniform(-0.6, 0.6, chain.count), base)
 
 
-def differences(torques: object, angles: np.ndarray) -> np.ndarray:
-    """Return minus the gradient of torques(angles), by central differences."""
-    steps = 1e-6 * np.eye(len(angles))
-    columns = [(torques(angles - step) - torques(angles + step)) / 2e-6 for step in steps]  # type: ignore[operator]
-    return np.array(columns).T
-
-
 @pytest.mark.parametrize("name", SCENES)
 def test_frames_are_those_of_the_kinematics(name: str) -> None:
-    plan = plan_of(name)
-    pose = bent(plan)
+    plan = plan_of_file(name)
+    pose = bent_chain(plan)
     expected = link_poses(plan.bodies[0].chain, pose.angles.tolist(), BASE)
     assert np.allclose(pose.origins, [one.position for one in expected], atol=1e-14)
     assert np.allclose(pose.rotations, [one.rotation for one in expected], atol=1e-14)
@@ -51,8 +45,8 @@ def test_frames_are_those_of_the_kinematics(name: str) -> None:
 @pytest.mark.parametrize("name", SCENES)
 def test_inertia_and_weight_are_those_of_the_engine(name: str, base: str) -> None:
     rpy = (0.4, -0.2, 1.0)
-    plan = plan_of(name, base=base, rpy=rpy)
-    pose = bent(plan, Pose.of((0.0, 0.0, 0.0), rpy))
+    plan = plan_of_file(name, base=base, rpy=rpy)
+    pose = bent_chain(plan, Pose.of((0.0, 0.0, 0.0), rpy))
     with BulletWorld(plan) as world:
         body = world.bodies[0]
         mass = body.mass_matrix(pose.angles.tolist())
@@ -67,10 +61,10 @@ def test_inertia_and_weight_are_those_of_the_engine(name: str, base: str) -> Non
 
 @pytest.mark.parametrize("name", SCENES)
 def test_stiffness_of_gravity_is_the_gradient_of_its_torques(name: str) -> None:
-    plan = plan_of(name)
-    pose = bent(plan)
+    plan = plan_of_file(name)
+    pose = bent_chain(plan)
     exact = pose.gravity_stiffness(plan.gravity)
-    found = differences(
+    found = stiffness_by_differences(
         lambda angles: pose.chain.at(angles, BASE).gravity_force(plan.gravity)[6:], pose.angles
     )
     assert np.abs(found - exact).max() < 1e-8 * np.abs(exact).max()
@@ -79,7 +73,7 @@ def test_stiffness_of_gravity_is_the_gradient_of_its_torques(name: str) -> None:
 
 @pytest.mark.parametrize("link_from_tip", [0, 2])
 def test_stiffness_of_a_force_is_the_gradient_of_its_torques(link_from_tip: int) -> None:
-    pose = bent(plan_of("three_axis_finger_scene.yaml"))
+    pose = bent_chain(plan_of_file("three_axis_finger_scene.yaml"))
     link, local = pose.chain.count - link_from_tip, np.array([0.1, 0.2, 0.3])
     force, none = np.array([1.0, 2.0, -0.5]), np.zeros(3)
 
@@ -88,12 +82,12 @@ def test_stiffness_of_a_force_is_the_gradient_of_its_torques(link_from_tip: int)
         return here.generalised_force(link, here.point(link, local), force, none)[6:]
 
     exact = pose.force_stiffness(link, pose.point(link, local), force)
-    found = differences(torques, pose.angles)
+    found = stiffness_by_differences(torques, pose.angles)
     assert np.abs(found - exact).max() < 1e-8 * np.abs(exact).max()
 
 
 def test_a_force_does_the_work_of_its_generalised_force() -> None:
-    pose = bent(plan_of("three_axis_finger_scene.yaml"))
+    pose = bent_chain(plan_of_file("three_axis_finger_scene.yaml"))
     rates = np.random.default_rng(3).normal(size=6 + pose.chain.count)
     linear, angular = pose._jacobians()
     for link in (0, 1, pose.chain.count):
@@ -108,8 +102,8 @@ def test_a_force_does_the_work_of_its_generalised_force() -> None:
 
 
 def test_energies_agree_with_inertia_and_weight() -> None:
-    plan = plan_of("three_axis_finger_scene.yaml")
-    pose = bent(plan)
+    plan = plan_of_file("three_axis_finger_scene.yaml")
+    pose = bent_chain(plan)
     rates = np.random.default_rng(3).normal(size=6 + pose.chain.count)
     expected = 0.5 * rates @ pose.mass_matrix() @ rates
     assert pose.kinetic_energy(rates) == pytest.approx(expected, rel=1e-12)

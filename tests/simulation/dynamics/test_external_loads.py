@@ -16,7 +16,7 @@ from somo_cli.scene.model import ExternalLoad, Frame, Scene
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.dynamics.external_loads import ExternalLoads
 from somo_cli.simulation.plan.build import make_plan
-from tests.builders.pendulum import INERTIA, exact_angle, hinge
+from tests.builders.pendulum import PENDULUM_INERTIA, pendulum_angle, pendulum_scene
 from tests.builders.runs import rows_of
 from tests.builders.scenes import scene_from_file
 
@@ -168,7 +168,9 @@ def test_where_rows_fall_changes_nothing_under_a_load(base: str) -> None:
 def pushed_hinge(frame: Frame, force: float, integrator: str, step: float) -> np.ndarray:
     """Return time [s] and angle [rad], pushed along -y at the tip with a force [N]."""
     load = ExternalLoad(1, (0, 0, 1), (0, -force, 0), (0, 0, 0), frame, ((0, 1),), "linear", False)
-    scene = dataclasses.replace(hinge(integrator, step, loads=(load,)), columns=("joint_angles",))
+    scene = dataclasses.replace(
+        pendulum_scene(integrator, step, loads=(load,)), columns=("joint_angles",)
+    )
     return np.array(rows_of(scene, round(1 / step)))
 
 
@@ -176,7 +178,7 @@ def test_a_follower_force_on_a_hinge_is_a_constant_torque() -> None:
     errors = []
     for step in (2e-3, 1e-3, 5e-4):
         rows = pushed_hinge("body", 20, "implicit", step)
-        exact = exact_angle(rows[:, 0], q0=0.3 + 20 / 50)
+        exact = pendulum_angle(rows[:, 0], q0=0.3 + 20 / 50)
         errors.append(np.abs(rows[:, 1] - exact).max())
     assert np.log2(errors[:-1] / np.array(errors[1:])) == pytest.approx(2, abs=0.1)
 
@@ -187,7 +189,7 @@ def test_a_follower_force_on_a_hinge_is_a_constant_torque() -> None:
 def test_every_integrator_brings_a_hinge_to_rest(frame: Frame, integrator: str) -> None:
     """At k (q - q0) = P l for a follower force, and at P l cos q for a dead one."""
     load = ExternalLoad(1, (0, 0, 1), (0, -20, 0), (0, 0, 0), frame, ((0, 1),), "linear", False)
-    scene = hinge(integrator, 2e-3, loads=(load,))
+    scene = pendulum_scene(integrator, 2e-3, loads=(load,))
     angle = 0.7
     for _ in range(100):
         angle = 0.3 + 20 / 50 * (1 if frame == "body" else math.cos(angle))
@@ -199,5 +201,5 @@ def test_explicit_is_its_recursion_under_a_load() -> None:
     for _, found in pushed_hinge("world", 20, "explicit", 1e-3):
         assert found == pytest.approx(angle, rel=1e-13, abs=1e-13)
         torque = 20 * math.cos(angle) - 50 * (angle - 0.3) - 0.5 * rate
-        rate += 1e-3 * torque / INERTIA
+        rate += 1e-3 * torque / PENDULUM_INERTIA
         angle += 1e-3 * rate

@@ -23,7 +23,7 @@ from tests.builders.scenes import scene_from_file, scene_from_text
 INSTANTS = 37
 
 
-def chain_of(name: str) -> Chain:
+def chain_of_scene(name: str) -> Chain:
     if name == "everything":
         text = json.dumps({"manipulators": [{"definition": EVERYTHING}]})
         return make_plan(scene_from_text(text)).bodies[0].chain
@@ -32,7 +32,7 @@ def chain_of(name: str) -> Chain:
 
 @pytest.fixture(params=["everything", "scene.yaml", "starfish_scene.yaml"])
 def chain(request: pytest.FixtureRequest) -> Chain:
-    return chain_of(request.param)
+    return chain_of_scene(request.param)
 
 
 def angles_of(chain: Chain) -> np.ndarray:

@@ -15,10 +15,10 @@ from somo_cli.simulation.integrator.half_step_start import begin
 from somo_cli.simulation.integrator.law_stepper import LawStepper
 from somo_cli.simulation.plan.model import Plan
 from tests.builders.fake_world import (
-    DAMPING,
-    INERTIA,
-    NEUTRAL,
-    STIFFNESS,
+    HINGE_DAMPING,
+    HINGE_INERTIA,
+    HINGE_NEUTRAL,
+    HINGE_STIFFNESS,
     FakeWorld,
     plan_of_hinges,
 )
@@ -72,9 +72,11 @@ def test_first_order_laws_begin_with_the_rates_of_the_start(integrator: str) -> 
 def test_the_implicit_law_begins_half_a_step_earlier() -> None:
     body_stepper, _, _ = begun("implicit", load=1.5)
     # a = (M + B)⁻¹ (f + u - K (q - q0) - (D + N) v)
-    ((damping,),), ((implicit,),) = body_stepper.law.coefficients.matrices(np.full((1, 1), INERTIA))
-    force = 1.5 + 1.0 - STIFFNESS * (0.3 - NEUTRAL) - damping * 2.0
-    half_change = 0.5 * STEP * force / (INERTIA + implicit)
+    ((damping,),), ((implicit,),) = body_stepper.law.coefficients.matrices(
+        np.full((1, 1), HINGE_INERTIA)
+    )
+    force = 1.5 + 1.0 - HINGE_STIFFNESS * (0.3 - HINGE_NEUTRAL) - damping * 2.0
+    half_change = 0.5 * STEP * force / (HINGE_INERTIA + implicit)
     assert body_stepper.law.rates == pytest.approx([2.0 - half_change], abs=1e-13)
 
 
@@ -86,7 +88,7 @@ def torque_of_first_push(integrator: str, load: float) -> float:
 
 
 def test_explicit_torques_do_not_know_the_load() -> None:
-    expected = 1.0 - STIFFNESS * (0.3 - NEUTRAL) - DAMPING * 2.0
+    expected = 1.0 - HINGE_STIFFNESS * (0.3 - HINGE_NEUTRAL) - HINGE_DAMPING * 2.0
     for load in (0.0, 1.5):
         assert torque_of_first_push("explicit", load) == pytest.approx(expected, abs=1e-13)
 
@@ -94,15 +96,21 @@ def test_explicit_torques_do_not_know_the_load() -> None:
 def test_the_euler_law_knows_the_load_from_the_start() -> None:
     for load in (0.0, 1.5):
         # the step that backward Euler would make: (M + h D + h² K) dv = h (f - h K v)
-        forces = load + 1.0 - STIFFNESS * (0.3 - NEUTRAL) - DAMPING * 2.0 - STEP * STIFFNESS * 2.0
-        rate = STEP * forces / (INERTIA + STEP * DAMPING + STEP**2 * STIFFNESS)
-        torque = INERTIA * rate / STEP - load
+        forces = (
+            load
+            + 1.0
+            - HINGE_STIFFNESS * (0.3 - HINGE_NEUTRAL)
+            - HINGE_DAMPING * 2.0
+            - STEP * HINGE_STIFFNESS * 2.0
+        )
+        rate = STEP * forces / (HINGE_INERTIA + STEP * HINGE_DAMPING + STEP**2 * HINGE_STIFFNESS)
+        torque = HINGE_INERTIA * rate / STEP - load
         assert torque_of_first_push("euler", load) == pytest.approx(torque, abs=1e-12)
 
 
 @pytest.mark.parametrize("integrator", ["implicit", "euler", "explicit"])
 def test_a_body_in_equilibrium_stays_there(integrator: str) -> None:
-    balance = NEUTRAL + (1.0 + 1.5) / STIFFNESS
+    balance = HINGE_NEUTRAL + (1.0 + 1.5) / HINGE_STIFFNESS
     one = {"initial_angles": balance}
     body_stepper, world, _ = begun(integrator, load=1.5, one=one)
     for _ in range(50):

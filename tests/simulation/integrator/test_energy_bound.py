@@ -7,16 +7,22 @@ import pytest
 
 from somo_cli.simulation.integrator.energy_bound import BodyEnergy
 from somo_cli.simulation.plan.joint_springs import JointSprings
-from tests.builders.fake_world import INERTIA, NEUTRAL, STIFFNESS, of_hinge, plan_of_hinges
+from tests.builders.fake_world import (
+    HINGE_INERTIA,
+    HINGE_NEUTRAL,
+    HINGE_STIFFNESS,
+    energy_of_hinge,
+    plan_of_hinges,
+)
 
 
 def test_the_energy_is_that_of_motion_and_springs() -> None:
-    energy = of_hinge()
-    energy.update(np.array([0.4]), np.array([3.0]), INERTIA * np.eye(1))
-    expected = 0.5 * INERTIA * 9 + 0.5 * STIFFNESS * 0.3**2
+    energy = energy_of_hinge()
+    energy.update(np.array([0.4]), np.array([3.0]), HINGE_INERTIA * np.eye(1))
+    expected = 0.5 * HINGE_INERTIA * 9 + 0.5 * HINGE_STIFFNESS * 0.3**2
     assert energy.present == pytest.approx(expected)
     assert energy.bound == pytest.approx(expected)
-    shares = energy.joint_shares(np.array([3.0]), INERTIA * np.eye(1))
+    shares = energy.joint_shares(np.array([3.0]), HINGE_INERTIA * np.eye(1))
     assert shares == pytest.approx([expected])
 
 
@@ -37,8 +43,8 @@ def test_the_energies_of_many_states_are_those_of_each() -> None:
 
 
 def test_the_bound_grows_by_the_most_work_done() -> None:
-    energy = of_hinge()
-    energy.update(np.array([NEUTRAL]), np.zeros(1), INERTIA * np.eye(1))
+    energy = energy_of_hinge()
+    energy.update(np.array([HINGE_NEUTRAL]), np.zeros(1), HINGE_INERTIA * np.eye(1))
     bounds = []
     for work in (0.0, 0.6, 0.6, -1.6, 0.5):
         energy.add_work(work)
@@ -47,9 +53,9 @@ def test_the_bound_grows_by_the_most_work_done() -> None:
 
 
 def test_the_bound_knows_gravity_and_the_base() -> None:
-    still = of_hinge()
-    heavy = of_hinge(gravity=9.81)
-    thrown = of_hinge(linear_velocity=(0.0, 3.0, 0.0), angular_velocity=(1.0, 0.0, 0.0))
+    still = energy_of_hinge()
+    heavy = energy_of_hinge(gravity=9.81)
+    thrown = energy_of_hinge(linear_velocity=(0.0, 3.0, 0.0), angular_velocity=(1.0, 0.0, 0.0))
     assert still.bound == 0.0
     # two links of 1.5 g whose centres are 5 mm and 15 mm from the base's origin, twice over
     assert heavy.bound == pytest.approx(9.81 * 2 * 0.0015 * (0.005 + 0.015), rel=1e-6)

@@ -18,7 +18,7 @@ from tests.builders.runs import rows_of
 from tests.builders.scenes import scene_from_text
 
 
-def plan_of(motion: Data, *objects: Data, **of_scene: Any) -> Plan:
+def plan_on_moved_base(motion: Data, *objects: Data, **of_scene: Any) -> Plan:
     """Return a plan of the shipped finger, upright on a moved base."""
     one = {"definition": "finger.yaml", "base": "constrained", "motion": motion}
     data = {"manipulators": [{**one, "position": [0, 0, 0.3]}], "objects": list(objects)}
@@ -48,7 +48,7 @@ MOTIONS: dict[str, Data] = {
 @pytest.mark.parametrize("step", [1e-3, 4e-3])
 def test_a_lively_motion_is_no_divergence(name: str, step: float) -> None:
     pytest.importorskip("pybullet")
-    rows_of(plan_of(MOTIONS[name], time_step=step), round(1 / step))
+    rows_of(plan_on_moved_base(MOTIONS[name], time_step=step), round(1 / step))
 
 
 @pytest.mark.parametrize("strokes", [1, 10])
@@ -62,13 +62,15 @@ def test_nor_is_a_finger_that_is_pushed_or_hammered(strokes: int) -> None:
         "position": [0, 0.1, 0.4],
         "motion": {"translation": way},
     }
-    rows_of(plan_of({"translation": [[0, 0, 0, 0]]}, plate, time_step=2e-3), 500)
+    rows_of(plan_on_moved_base({"translation": [[0, 0, 0, 0]]}, plate, time_step=2e-3), 500)
 
 
 @pytest.mark.parametrize("name", MOTIONS)
 def test_a_diverged_run_is_seen_all_the_same(name: str) -> None:
     pytest.importorskip("pybullet")
-    plan = plan_of(MOTIONS[name], integrator="explicit")  # which needs steps below 0.37 ms
+    plan = plan_on_moved_base(
+        MOTIONS[name], integrator="explicit"
+    )  # which needs steps below 0.37 ms
     with pytest.raises(SimulationDiverged) as caught:
         rows_of(plan, 1000)
     assert caught.value.step < 300
@@ -79,7 +81,7 @@ def velocity(*values: float) -> np.ndarray:
 
 
 def test_in_the_frame_acceleration_pulls_and_a_turn_lets_fall() -> None:
-    plan = plan_of({"translation": [[0, 0, 0, 0]]})
+    plan = plan_on_moved_base({"translation": [[0, 0, 0, 0]]})
     (body,) = plan.bodies
     mass = sum(link.inertial.mass for link in body.chain.links[1:])
     one = MotionWorkBound(plan, body.chain)
@@ -97,7 +99,7 @@ def test_in_the_frame_acceleration_pulls_and_a_turn_lets_fall() -> None:
 
 
 def test_pushing_does_force_times_way_and_each_blow_more() -> None:
-    plan = plan_of({"translation": [[0, 0, 0, 0]]}, ground={"height": -9})
+    plan = plan_on_moved_base({"translation": [[0, 0, 0, 0]]}, ground={"height": -9})
     one = MotionWorkBound(plan, plan.bodies[0].chain)
     mass = sum(link.inertial.mass for link in plan.bodies[0].chain.links)
     one.advance(velocity(0, 0, 0, 2, 0, 0), velocity(0, 0, 0, 2, 0, 0))
@@ -109,4 +111,4 @@ def test_pushing_does_force_times_way_and_each_blow_more() -> None:
         one.advance(velocity(0, 0, 0, 2, 0, 0), velocity(0, 0, 0, 2, 0, 0))
         assert one.contact_work((3, 0, 4, 4)) == pytest.approx(9 * way)
         assert one.contact_work((0, 0, 0, 0)) == 0
-    assert not plan_of({"translation": [[0, 0, 0, 0]]}).can_touch
+    assert not plan_on_moved_base({"translation": [[0, 0, 0, 0]]}).can_touch

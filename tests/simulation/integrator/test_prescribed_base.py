@@ -13,11 +13,10 @@ import scipy.optimize
 
 from somo_cli.manipulator import geometry
 from somo_cli.problems import EngineRefused
-from somo_cli.scene import columns
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.plan.build import make_plan
 from tests.builders.definitions import Y, actuator, hinge, manipulator
-from tests.builders.runs import rows_of
+from tests.builders.runs import columns_of, rows_of
 from tests.builders.scenes import scene_from_text
 
 pytest.importorskip("pybullet")
@@ -43,10 +42,8 @@ def finger(motion: dict[str, Any], step: float, integrator: str = "implicit") ->
     return scene_from_text(json.dumps(data))
 
 
-def table(scene: Scene, time: float) -> dict[str, np.ndarray]:
-    plan = make_plan(scene)
-    rows = np.array(rows_of(plan, round(time / scene.time_step)))
-    return dict(zip(columns.header(plan.recorded), rows.T, strict=True))
+def columns_until(scene: Scene, time: float) -> dict[str, np.ndarray]:
+    return columns_of(scene, round(time / scene.time_step))
 
 
 def angles_in(found: dict[str, np.ndarray]) -> np.ndarray:
@@ -58,7 +55,7 @@ def angles_in(found: dict[str, np.ndarray]) -> np.ndarray:
 def test_the_base_is_where_its_path_says(step: float, interpolation: str) -> None:
     scene = finger({**MOTIONS["both"], "interpolation": interpolation}, step)
     (body,) = make_plan(scene).bodies
-    found = table(scene, 0.6)
+    found = columns_until(scene, 0.6)
     assert body.path is not None
     for index, time in enumerate(found["time_s"]):
         pose = body.path.at(float(time))
@@ -75,7 +72,7 @@ def test_the_base_is_where_its_path_says(step: float, interpolation: str) -> Non
 @pytest.mark.parametrize("name", MOTIONS)
 def test_the_joints_feel_it_as_in_mujoco(name: str) -> None:
     pytest.importorskip("mujoco")
-    from tests.builders.mujoco_reference import model_of, prescribed_trajectory
+    from tests.builders.mujoco_reference import mujoco_model, mujoco_trajectory_on_prescribed_base
 
     (one,) = finger(MOTIONS[name], 1e-3).manipulators
     assert one.motion is not None
@@ -87,12 +84,12 @@ def test_the_joints_feel_it_as_in_mujoco(name: str) -> None:
         del data["about"]
     else:
         data = MOTIONS[name]
-    model = model_of(one.compiled.chain, (0, 0, -9.81), 2.5e-4, has_prescribed_base=True)
+    model = mujoco_model(one.compiled.chain, (0, 0, -9.81), 2.5e-4, has_prescribed_base=True)
     times = np.arange(0, 0.51, 0.02).tolist()
-    reference = prescribed_trajectory(model, motion, times)
+    reference = mujoco_trajectory_on_prescribed_base(model, motion, times)
     errors = []
     for step in (2e-3, 1e-3, 5e-4):
-        found = angles_in(table(finger(data, step), 0.5))
+        found = angles_in(columns_until(finger(data, step), 0.5))
         errors.append(float(np.abs(found - reference[: len(found)]).max()))
     assert np.abs(reference).max() > 0.3
     assert errors[1] < 2e-4
@@ -103,8 +100,8 @@ def test_the_joints_feel_it_as_in_mujoco(name: str) -> None:
 @pytest.mark.parametrize("integrator", ["implicit", "euler"])
 def test_who_moves_steadily_feels_nothing(integrator: str) -> None:
     way = {"translation": [[0, 0, 0, 0], [1, 0.3, 0.4, 0]], "interpolation": "linear"}
-    moved = table(finger(way, 1e-3, integrator), 0.5)
-    still = table(finger({"translation": [[0, 0, 0, 0]]}, 1e-3, integrator), 0.5)
+    moved = columns_until(finger(way, 1e-3, integrator), 0.5)
+    still = columns_until(finger({"translation": [[0, 0, 0, 0]]}, 1e-3, integrator), 0.5)
     # to what it costs to hold the Coriolis correction while a body at rest moves slowly
     assert angles_in(moved) == pytest.approx(angles_in(still), abs=2e-6)
     mass = 0.6 + 10 * 0.00294 + 0.015
@@ -189,7 +186,7 @@ def test_limits_and_dry_friction_in_a_shaken_frame() -> None:
         "motion": {"translation": shake},
     }
     scene = scene_from_text(json.dumps({"manipulators": [one], "record": {"every": 10}}))
-    found = angles_in(table(scene, 1.0))
+    found = angles_in(columns_until(scene, 1.0))
     limited, held = found[:, 0], found[:, -1]
     assert np.abs(limited).max() == pytest.approx(0.05, abs=1e-3)
     assert np.abs(held).max() < 1e-3
@@ -207,7 +204,7 @@ def test_a_base_goes_on_against_what_its_links_meet() -> None:
         "record": {"columns": ["base_pose", "contact_force"]},
     }
     scene = scene_from_text(json.dumps(data))
-    found = table(scene, 0.4)
+    found = columns_until(scene, 0.4)
     path = make_plan(scene).bodies[0].path
     assert path is not None
     expected = np.array([path.at(float(time)).position for time in found["time_s"]]) / 20

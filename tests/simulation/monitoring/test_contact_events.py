@@ -15,7 +15,7 @@ from somo_cli.simulation.recording.contact_event_writer import ContactEventWrite
 from somo_cli.simulation.run import run
 from tests.builders.definitions import Data
 from tests.builders.fake_world import FakeWorld
-from tests.builders.rigid_objects import BALL, CUBE, G, scene_of
+from tests.builders.rigid_objects import BALL, CUBE, G, scene_of_objects
 from tests.builders.scenes import scene_from_file, scene_from_text
 
 STEP = 1e-3
@@ -89,7 +89,7 @@ def lines_of(data: Data | str, steps: int) -> list[dict[str, str]]:
 def test_what_falls_touches_when_and_where_galileo_says(every: int, scale: int) -> None:
     height, mass = 0.3, 0.05
     ball = {**BALL, "position": [0.1, -0.2, 0.02 + height]}
-    data = scene_of(ball, ground={}, record={"every": every}, world_scale=scale)
+    data = scene_of_objects(ball, ground={}, record={"every": every}, world_scale=scale)
     begin = lines_of(data, 400)[0]
     falls_for = math.sqrt(2 * height / G)
     names = [begin[one] for one in ("event", "first", "first_link", "second", "second_link")]
@@ -105,7 +105,7 @@ def test_what_falls_touches_when_and_where_galileo_says(every: int, scale: int) 
 def test_the_impulse_of_a_collision_is_the_momentum_that_changed_hands() -> None:
     one = {**BALL, "name": "one", "position": [0, 0, 0], "linear_velocity": [0.5, 0, 0]}
     other = {**BALL, "name": "other", "position": [0.06, 0, 0], "mass": 0.1}
-    begin, end = lines_of(scene_of(one, other, gravity=[0, 0, 0]), 200)
+    begin, end = lines_of(scene_of_objects(one, other, gravity=[0, 0, 0]), 200)
     assert (begin["event"], end["event"]) == ("begin", "end")
     # without restitution both go on together at a third of the speed
     assert float(end["impulse_ns"]) == pytest.approx(0.05 * 0.5 * 2 / 3, rel=0.01)
@@ -122,7 +122,7 @@ def test_the_same_run_gives_the_same_events() -> None:
 
 
 def test_contacts_are_not_asked_for_unless_wanted() -> None:
-    plan = make_plan(scene_from_text(json.dumps(scene_of(CUBE) | {"objects": []})))
+    plan = make_plan(scene_from_text(json.dumps(scene_of_objects(CUBE) | {"objects": []})))
     world = FakeWorld(plan)
     asked: list[int] = []
     world.contact_points = lambda: asked.append(world.steps) or []  # type: ignore[func-returns-value, method-assign]

@@ -24,7 +24,13 @@ from somo_cli.simulation.plan.joint_springs import JointSprings
 from somo_cli.simulation.plan.model import Plan
 from tests.builders import pendulum
 from tests.builders.definitions import actuator, hinge, manipulator
-from tests.builders.fake_world import INERTIA, NEUTRAL, STIFFNESS, of_hinge, plan_of_hinges
+from tests.builders.fake_world import (
+    HINGE_INERTIA,
+    HINGE_NEUTRAL,
+    HINGE_STIFFNESS,
+    energy_of_hinge,
+    plan_of_hinges,
+)
 from tests.builders.runs import rows_of, simulated
 from tests.builders.scenes import DEFINITIONS, scene_from_file, scene_from_text
 
@@ -192,9 +198,9 @@ def test_the_alarm_comes_within_few_steps_of_the_growth(largest: float, factor: 
 def test_what_explicit_stores_near_its_limit_is_no_alarm() -> None:
     """A mode at 0.95 of its limit has up to (1 + x) / (1 - x) = 39 times its energy in turn."""
     # 4 I - 2 h d - h² k = 0 of the hinge of the tests of physics
-    largest = (-0.5 + math.sqrt(0.25 + 4 * pendulum.INERTIA * 50)) / 50
-    simulated(make_plan(pendulum.hinge("explicit", 0.95 * largest)), 2000)
-    diverged(make_plan(pendulum.hinge("explicit", 1.02 * largest)), 2000)
+    largest = (-0.5 + math.sqrt(0.25 + 4 * pendulum.PENDULUM_INERTIA * 50)) / 50
+    simulated(make_plan(pendulum.pendulum_scene("explicit", 0.95 * largest)), 2000)
+    diverged(make_plan(pendulum.pendulum_scene("explicit", 1.02 * largest)), 2000)
 
 
 def test_the_joint_that_diverges_is_named() -> None:
@@ -242,11 +248,11 @@ def moving(plan: Plan, rates: Sequence[float], index: int = 0) -> BodyInMotion:
     """Return a body of hinges at rest at its neutral angles, which then has these rates."""
     body = plan.bodies[index]
     ones = np.ones(len(rates))
-    springs = JointSprings(STIFFNESS * ones, 0.0 * ones, NEUTRAL * ones)
+    springs = JointSprings(HINGE_STIFFNESS * ones, 0.0 * ones, HINGE_NEUTRAL * ones)
     energy = BodyEnergy(body, springs, (0.0, 0.0, 0.0))
-    mass = INERTIA * np.diag(ones)
+    mass = HINGE_INERTIA * np.diag(ones)
     for present in (0.0 * ones, np.array(rates)):
-        energy.update(NEUTRAL * ones, present, mass)
+        energy.update(HINGE_NEUTRAL * ones, present, mass)
     max_rate = float(np.abs(rates).max()) if np.isfinite(rates).all() else math.nan
     return BodyInMotion(body, energy, max_rate, mass, mass, np.array(rates))
 
@@ -266,17 +272,17 @@ def test_energy_of_one_body_may_come_from_another() -> None:
     with pytest.raises(SimulationDiverged):
         divergence.check(1, plan, [first, struck])
     # the first one had been bent, and gave what it had
-    first.energy = of_hinge()
-    for angle in (0.3, NEUTRAL):
-        first.energy.update(np.array([angle]), np.zeros(1), INERTIA * np.eye(1))
+    first.energy = energy_of_hinge()
+    for angle in (0.3, HINGE_NEUTRAL):
+        first.energy.update(np.array([angle]), np.zeros(1), HINGE_INERTIA * np.eye(1))
     divergence.check(1, plan, [first, struck])
 
 
 def test_small_motion_is_never_called_divergence() -> None:
     plan = plan_of_hinges(1)
     one = moving(plan, [0.0])
-    angles = np.array([NEUTRAL + 0.5 * SMALL_ANGLE])
-    one.energy.update(angles, np.zeros(1), INERTIA * np.eye(1))
+    angles = np.array([HINGE_NEUTRAL + 0.5 * SMALL_ANGLE])
+    one.energy.update(angles, np.zeros(1), HINGE_INERTIA * np.eye(1))
     divergence.check(1, plan, [one])
 
 
@@ -318,7 +324,7 @@ def test_a_pulse_that_is_not_counted_would_be_noticed(monkeypatch: pytest.Monkey
 
 
 def history_of(angles: list[float], rates: list[float]) -> StateHistory:
-    mass = INERTIA * np.eye(1)
+    mass = HINGE_INERTIA * np.eye(1)
     return StateHistory(np.array([angles]).T, np.array([rates]).T, [mass] * len(angles))
 
 
@@ -328,19 +334,19 @@ def test_rows_before_the_first_that_is_refused_are_sound() -> None:
     for body in bodies:
         body.energy.add_work(1.0)
     monitor = DivergenceMonitor(plan, bodies)
-    calm = history_of([NEUTRAL] * 5, [0.1] * 5)
+    calm = history_of([HINGE_NEUTRAL] * 5, [0.1] * 5)
     assert monitor.count_valid_rows([calm, calm]) == 5
     for wild in (1e6, -1e6, 1e3, math.nan, math.inf):
-        swift = history_of([NEUTRAL] * 5, [0.1, 0.1, wild, 0.1, wild])
+        swift = history_of([HINGE_NEUTRAL] * 5, [0.1, 0.1, wild, 0.1, wild])
         assert (
             monitor.count_valid_rows([calm, swift]) == monitor.count_valid_rows([swift, calm]) == 2
         )
         with pytest.raises(SimulationDiverged) as caught:
             monitor.raise_diverged(7, [calm, swift], 2)
         assert (caught.value.step, caught.value.name) == (7, "b.actuator_0_joint_01")
-    bent = history_of([NEUTRAL, 4.0], [0.0, 0.0])  # fast enough, but more than was put in
-    assert monitor.count_valid_rows([calm, history_of([NEUTRAL] * 5, [0.1] * 5)]) == 5
-    assert monitor.count_valid_rows([bent, history_of([NEUTRAL] * 2, [0.0] * 2)]) == 1
+    bent = history_of([HINGE_NEUTRAL, 4.0], [0.0, 0.0])  # fast enough, but more than was put in
+    assert monitor.count_valid_rows([calm, history_of([HINGE_NEUTRAL] * 5, [0.1] * 5)]) == 5
+    assert monitor.count_valid_rows([bent, history_of([HINGE_NEUTRAL] * 2, [0.0] * 2)]) == 1
     assert monitor.count_valid_rows([history_of([], []), history_of([], [])]) == 0
 
 

@@ -19,9 +19,9 @@ from somo_cli.simulation.integrator.refresh_policy import MONITORING_INTERVAL
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
 from tests.builders.definitions import Data
-from tests.builders.fake_run import Ended
+from tests.builders.fake_run import FakeRun
 from tests.builders.fake_world import FakeWorld, plan_of_hinges
-from tests.builders.rigid_objects import CUBE, G, scene_of
+from tests.builders.rigid_objects import CUBE, G, scene_of_objects
 from tests.builders.runs import simulated
 from tests.builders.scenes import scene_from_text
 
@@ -61,7 +61,7 @@ def hinges(*conditions: Data, **more: Any) -> Plan:
 @pytest.mark.parametrize("every", [1, 7])
 def test_times_are_exact(time: float, step: float, last: int, every: int) -> None:
     plan = hinges({"time": 50}, {"time": time}, time_step=step, every=every)
-    ended = Ended(plan, FakeWorld(plan), 40)
+    ended = FakeRun(plan, FakeWorld(plan), 40)
     assert ended.summary is not None
     assert ended.summary.steps == last
     assert ended.times[-1] == pytest.approx(last * step)
@@ -73,7 +73,7 @@ def test_times_are_exact(time: float, step: float, last: int, every: int) -> Non
 
 def test_the_steps_are_the_upper_bound() -> None:
     plan = hinges({"time": 50}, every=7)
-    ended = Ended(plan, FakeWorld(plan), 20)
+    ended = FakeRun(plan, FakeWorld(plan), 20)
     assert ended.summary is not None
     assert (ended.summary.steps, ended.summary.stopped) == (20, None)
     assert ended.times == pytest.approx([0, 0.007, 0.014, 0.02])  # the last one, too
@@ -85,8 +85,8 @@ def test_rest_is_found_wherever_rows_fall(every: int) -> None:
     plan = hinges(condition, every=every)
     # without the condition, a row for each step
     free = dataclasses.replace(plan, stop_conditions=(), every=1)
-    rows = np.array(Ended(free, FakeWorld(free), 4000).rows)
-    ended = Ended(plan, FakeWorld(plan), 4000)
+    rows = np.array(FakeRun(free, FakeWorld(free), 4000).rows)
+    ended = FakeRun(plan, FakeWorld(plan), 4000)
     assert ended.summary is not None
     last = ended.summary.steps
     assert last % MONITORING_INTERVAL == 0
@@ -102,7 +102,7 @@ def test_rest_before_a_time_does_not_count() -> None:
     one = {"actuation": [], "initial_angles": [0.1]}  # where the spring is at rest
     for after, last in ((0, 504), (0.3, 808)):
         plan = hinges({"at_rest": {"after": after}}, one=one)
-        ended = Ended(plan, FakeWorld(plan), 4000)
+        ended = FakeRun(plan, FakeWorld(plan), 4000)
         assert ended.summary is not None
         assert ended.summary.steps == last
 
@@ -111,7 +111,7 @@ def test_rest_before_a_time_does_not_count() -> None:
 @pytest.mark.parametrize("every", [1, 10, 1000])
 def test_a_cube_falls_out_of_its_box(every: int, scale: int) -> None:
     pytest.importorskip("pybullet")
-    data = scene_of({**CUBE, "position": [0, 0, 1]}, world_scale=scale)
+    data = scene_of_objects({**CUBE, "position": [0, 0, 1]}, world_scale=scale)
     data |= {"stop": [{"time": 3}, {"object": "cube", "leaves": {"z": [0.5, 2]}}]}
     data["record"] = {"every": every, "columns": []}
     rows, summary = simulated(scene_from_text(json.dumps(data)), 5000)
@@ -126,7 +126,7 @@ def test_a_cube_falls_out_of_its_box(every: int, scale: int) -> None:
 
 def test_a_cube_slides_until_it_rests() -> None:
     pytest.importorskip("pybullet")
-    data = scene_of({**CUBE, "linear_velocity": [0.5, 0, 0]}, ground={}, gravity=[0, 0, -G])
+    data = scene_of_objects({**CUBE, "linear_velocity": [0.5, 0, 0]}, ground={}, gravity=[0, 0, -G])
     data |= {"stop": [{"at_rest": {"for": 0.1}}]}
     del data["manipulators"][0]["position"]  # hanging is no rest; this one stands
     data["manipulators"][0]["position"] = [9, 9, 9]
@@ -138,5 +138,5 @@ def test_a_cube_slides_until_it_rests() -> None:
 
 
 def test_a_plan_without_conditions_looks_at_nothing() -> None:
-    plan = make_plan(scene_from_text(json.dumps(scene_of(CUBE))))
+    plan = make_plan(scene_from_text(json.dumps(scene_of_objects(CUBE))))
     assert (plan.stop_conditions, plan.records_last_step) == ((), False)

@@ -24,7 +24,7 @@ from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.plan.units import unit_factors_of
 from somo_cli.simulation.recording.body_values import BODY_VALUES, BodyStates
 from tests.builders.definitions import EVERYTHING, X, Y, actuator, bent, manipulator
-from tests.builders.recorded_columns import ALL, NAMES, plan_of
+from tests.builders.recorded_columns import COLUMN_NAMES, QUANTITIES, plan_that_records
 from tests.builders.runs import rows_of
 from tests.builders.scenes import scene_from_text
 
@@ -78,7 +78,7 @@ def test_the_scale_is_never_seen(scale: Scale) -> None:
     rows = []
     for one in (Scale(), scale):
         world_scale = {"length": one.length, "mass": one.mass}
-        plan = plan_of(EVERYTHING, *ALL, world_scale=world_scale)
+        plan = plan_that_records(EVERYTHING, *QUANTITIES, world_scale=world_scale)
         angles = bent(plan.bodies[0].chain)
         rows.append(row_of(plan, state_in(plan, angles, TILTED)))
     assert rows[1] == pytest.approx(rows[0], rel=1e-12, abs=1e-14)
@@ -86,16 +86,18 @@ def test_the_scale_is_never_seen(scale: Scale) -> None:
 
 def test_the_values_at_a_bent_pose() -> None:
     definition = manipulator(actuator(2, X, Y), actuator(1, {**X, "joint_neutral_position": 0.5}))
-    plan = plan_of(definition, *ALL, world_scale=20)
+    plan = plan_that_records(definition, *QUANTITIES, world_scale=20)
     found = row_of(plan, state_in(plan, [0.3, -0.4, 0.1], TILTED))
-    assert [found[f"a.{name}"] for name in NAMES["joint_angles"]] == [0.3, -0.4, 0.1]
-    assert [found[f"a.{name}"] for name in NAMES["joint_rates"]] == [1.15, 0.8, 1.05]
+    assert [found[f"a.{name}"] for name in COLUMN_NAMES["joint_angles"]] == [0.3, -0.4, 0.1]
+    assert [found[f"a.{name}"] for name in COLUMN_NAMES["joint_rates"]] == [1.15, 0.8, 1.05]
     # stiffness 0.2 N·m/rad in every joint of tests/manipulator/bodies.py
-    torques = [found[f"a.{name}"] for name in NAMES["spring_torques"]]
+    torques = [found[f"a.{name}"] for name in COLUMN_NAMES["spring_torques"]]
     assert torques == pytest.approx([-0.06, 0.08, 0.08])
-    assert [found[f"a.{name}"] for name in NAMES["actuation"]] == pytest.approx([0.3, -0.2, 0.7])
-    pose = [found[f"a.{name}"] for name in NAMES["base_pose"]]
-    forces = [found[f"a.{name}"] for name in NAMES["contact_force"]]
+    assert [found[f"a.{name}"] for name in COLUMN_NAMES["actuation"]] == pytest.approx(
+        [0.3, -0.2, 0.7]
+    )
+    pose = [found[f"a.{name}"] for name in COLUMN_NAMES["base_pose"]]
+    forces = [found[f"a.{name}"] for name in COLUMN_NAMES["contact_force"]]
     assert forces == pytest.approx([1, -2, 3, 3])
     half = math.sqrt(0.5)  # a quarter turn about z
     assert pose == pytest.approx([0.1, -0.2, 0.3, 0.0, 0.0, half, half])
@@ -104,7 +106,7 @@ def test_the_values_at_a_bent_pose() -> None:
 def test_the_energies_of_a_pendulum() -> None:
     link = {"shape_type": "box", "dimensions": [0.1, 0.2, 2], "mass": 2.0}
     definition = manipulator(actuator(1, {**X, "joint_neutral_position": 0.5}, link=link))
-    plan = plan_of(definition, "energy", world_scale=20)
+    plan = plan_that_records(definition, "energy", world_scale=20)
     still = dataclasses.replace(
         state_in(plan, [0.3], Pose()),
         rates=np.array([[1.5]]),
@@ -125,13 +127,13 @@ def test_curvature_is_the_angle_over_the_backbone_it_stands_for() -> None:
     for joints, radius_of_turn in (((X,), 0.1 / 0.05), ((X, Y), 0.2 / 0.05)):
         for scale in (1, 20):
             definition = manipulator(actuator(4, *joints, link=link))
-            plan = plan_of(definition, "curvatures", world_scale=scale)
+            plan = plan_that_records(definition, "curvatures", world_scale=scale)
             found = row_of(plan, state_in(plan, [0.05] * 4, Pose()))
             assert list(found.values()) == pytest.approx([1 / radius_of_turn] * 4)
 
 
 def test_orientations_are_unit_quaternions() -> None:
-    plan = plan_of(EVERYTHING, "link_orientations", "base_pose")
+    plan = plan_that_records(EVERYTHING, "link_orientations", "base_pose")
     random = np.random.default_rng(3)
     count = len(plan.bodies[0].chain.joints)
     for _ in range(20):
@@ -147,7 +149,7 @@ def at_a_bent_pose(scale: float) -> Iterator[tuple[Plan, BulletBody, list[float]
 
     Yields the plan, the body and, of every link, root left out, position and rotation in SI.
     """
-    plan = plan_of(
+    plan = plan_that_records(
         EVERYTHING,
         "link_positions",
         "link_orientations",

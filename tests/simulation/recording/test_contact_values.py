@@ -10,8 +10,8 @@ import pytest
 from somo_cli.scene import columns
 from somo_cli.simulation.plan.build import make_plan
 from tests.builders.definitions import X, actuator, manipulator
-from tests.builders.rigid_objects import CUBE, G, scene_of
-from tests.builders.runs import rows_of, table, vectors
+from tests.builders.rigid_objects import CUBE, G, scene_of_objects
+from tests.builders.runs import recorded_columns, rows_of, stacked_columns
 from tests.builders.scenes import scene_from_file, scene_from_text
 
 FORCE = ("fx_n", "fy_n", "fz_n")
@@ -54,14 +54,16 @@ def test_friction_on_what_slides_is_against_its_way_and_changes_its_momentum() -
     upper = {**CUBE, "position": [0, 0, 0.06], "linear_velocity": [0.4, 0.1, 0]}
     for order in ((lower, upper), (upper, lower)):
         # backward Euler: one step's change of velocity is one step's force
-        data = scene_of(*order, ground={"friction": 0.1}, integrator="euler")
-        found = table(data, 60, columns=[], objects=["velocity", "contact_force", "contact_pairs"])
+        data = scene_of_objects(*order, ground={"friction": 0.1}, integrator="euler")
+        found = recorded_columns(
+            data, 60, columns=[], objects=["velocity", "contact_force", "contact_pairs"]
+        )
         for name, mass in (("lower", 0.03), ("cube", 0.01)):
-            speed = vectors(found, *(f"{name}.velocity.{axis}_m_per_s" for axis in "xyz"))
-            force = vectors(found, *(f"{name}.contact.{one}" for one in FORCE))
+            speed = stacked_columns(found, *(f"{name}.velocity.{axis}_m_per_s" for axis in "xyz"))
+            force = stacked_columns(found, *(f"{name}.contact.{one}" for one in FORCE))
             gained = mass * np.diff(speed, axis=0) / 1e-3
             assert gained == pytest.approx(force[1:] - np.array([0, 0, mass * G]), abs=1e-9)
-        rubbed = vectors(
+        rubbed = stacked_columns(
             found, "cube.contact.lower.friction_x_n", "lower.contact.cube.friction_x_n"
         )
         assert rubbed[5, 0] < -0.02

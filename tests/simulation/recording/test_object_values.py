@@ -10,8 +10,8 @@ import pytest
 
 from somo_cli.scene import columns
 from somo_cli.simulation.plan.build import make_plan
-from tests.builders.rigid_objects import BALL, CUBE, G, scene_of
-from tests.builders.runs import table, vectors
+from tests.builders.rigid_objects import BALL, CUBE, G, scene_of_objects
+from tests.builders.runs import recorded_columns, stacked_columns
 from tests.builders.scenes import scene_from_text
 
 STEPS = {"implicit": 1e-3, "euler": 1e-3, "explicit": 1e-3}
@@ -19,7 +19,7 @@ STEPS = {"implicit": 1e-3, "euler": 1e-3, "explicit": 1e-3}
 
 def test_the_columns_of_an_object() -> None:
     record = {"columns": [], "objects": ["velocity", "angles"]}
-    scene = scene_from_text(json.dumps({**scene_of(CUBE), "record": record}))
+    scene = scene_from_text(json.dumps({**scene_of_objects(CUBE), "record": record}))
     assert columns.header(make_plan(scene).recorded) == [
         "time_s",
         *(f"cube.velocity.{axis}_m_per_s" for axis in "xyz"),
@@ -32,8 +32,8 @@ def test_the_columns_of_an_object() -> None:
 @pytest.mark.parametrize("step", [1e-3, 5e-3])
 def test_the_velocity_of_what_falls_is_that_of_the_instant(step: float, scale: int) -> None:
     thrown = {**CUBE, "position": [0, 0, 3], "linear_velocity": [0.3, -0.2, 1]}
-    data = scene_of(thrown, time_step=step, world_scale=scale)
-    found = table(data, 100, columns=[], objects=["velocity"], every=3)
+    data = scene_of_objects(thrown, time_step=step, world_scale=scale)
+    found = recorded_columns(data, 100, columns=[], objects=["velocity"], every=3)
     t = found["time_s"]
     assert found["cube.velocity.x_m_per_s"] == pytest.approx(0.3, abs=1e-12)
     assert found["cube.velocity.y_m_per_s"] == pytest.approx(-0.2, abs=1e-12)
@@ -46,11 +46,11 @@ def test_the_velocity_of_what_falls_is_that_of_the_instant(step: float, scale: i
 def test_turns_are_counted_beyond_full_ones(integrator: str, axis: tuple[float, ...]) -> None:
     spin = [40 * component for component in axis]  # rad/s: a ball has no axis to wobble about
     ball = {**BALL, "position": [0, 0, 0], "angular_velocity": spin, "rpy": [0, math.pi / 2, 0]}
-    data = scene_of(ball, gravity=[0, 0, 0], integrator=integrator)
-    found = table(data, 1000, columns=[], objects=["velocity", "angles"], every=7)
+    data = scene_of_objects(ball, gravity=[0, 0, 0], integrator=integrator)
+    found = recorded_columns(data, 1000, columns=[], objects=["velocity", "angles"], every=7)
     t = found["time_s"]
-    spins = vectors(found, *(f"ball.spin.{one}_rad_per_s" for one in "xyz"))
-    angles = vectors(found, *(f"ball.angles.{one}_rad" for one in "xyz"))
+    spins = stacked_columns(found, *(f"ball.spin.{one}_rad_per_s" for one in "xyz"))
+    angles = stacked_columns(found, *(f"ball.angles.{one}_rad" for one in "xyz"))
     assert spins == pytest.approx(np.tile(spin, (len(t), 1)), abs=1e-9)
     # the engine turns by sines of small angles, to some 1e-4 of them
     assert angles == pytest.approx(np.outer(t, spin), rel=1e-3, abs=1e-6)
@@ -59,9 +59,10 @@ def test_turns_are_counted_beyond_full_ones(integrator: str, axis: tuple[float, 
 
 def test_turns_do_not_depend_on_where_rows_fall() -> None:
     tumbling = {**CUBE, "dimensions": [0.02, 0.04, 0.07], "angular_velocity": [3, 20, 9]}
-    data = scene_of({**tumbling, "position": [0, 0, 1]})
+    data = scene_of_objects({**tumbling, "position": [0, 0, 1]})
     columns_by_every = [
-        table(data, 210, columns=[], objects=["angles"], every=every) for every in (1, 7, 21)
+        recorded_columns(data, 210, columns=[], objects=["angles"], every=every)
+        for every in (1, 7, 21)
     ]
     for name in ("cube.angles.x_rad", "cube.angles.y_rad", "cube.angles.z_rad"):
         finest, *others = (one[name] for one in columns_by_every)
@@ -71,8 +72,8 @@ def test_turns_do_not_depend_on_where_rows_fall() -> None:
 
 def test_the_turns_are_the_integral_of_the_spin() -> None:
     wheel = {**CUBE, "angular_velocity": [0.5, -0.3, 25]}
-    data = scene_of(wheel, ground={}, time_step=5e-4)
-    found = table(data, 400, columns=[], objects=["velocity", "angles"])
+    data = scene_of_objects(wheel, ground={}, time_step=5e-4)
+    found = recorded_columns(data, 400, columns=[], objects=["velocity", "angles"])
     for axis in "xyz":
         spin, angle = found[f"cube.spin.{axis}_rad_per_s"], found[f"cube.angles.{axis}_rad"]
         summed = np.concatenate([[0], np.cumsum(spin[1:] + spin[:-1]) * 5e-4 / 2])

@@ -11,7 +11,7 @@ import pytest
 from somo_cli.scene import columns
 from somo_cli.scene.model import ALL_OBJECT_QUANTITIES, ALL_QUANTITIES
 from somo_cli.simulation.plan.build import make_plan
-from tests.builders.fake_run import Ended
+from tests.builders.fake_run import FakeRun
 from tests.builders.fake_world import FakeWorld, plan_of_hinges
 from tests.builders.runs import rows_of
 from tests.builders.scenes import scene_from_file, scene_from_text
@@ -38,7 +38,7 @@ def test_what_no_column_needs_is_not_read(verb: str) -> None:
         for body in world.bodies:
             if verb == "base_pose":
                 body.base_pose = refuse  # type: ignore[assignment, method-assign]
-        ended = Ended(plan, world, 20)
+        ended = FakeRun(plan, world, 20)
         assert len(ended.rows) == 7
         assert {len(row) for row in ended.rows} == {len(columns.header(plan.recorded))}
 
@@ -48,7 +48,7 @@ def test_only_the_body_of_a_column_is_read() -> None:
     world = FakeWorld(plan)
     world.bodies[0].base_pose = refuse  # type: ignore[assignment, method-assign]
     assert columns.header(plan.recorded) == ["time_s", "b.tip.z_m"]
-    assert len(Ended(plan, world, 5).rows) == 6
+    assert len(FakeRun(plan, world, 5).rows) == 6
 
 
 PICKED = [

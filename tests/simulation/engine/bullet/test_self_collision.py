@@ -11,7 +11,7 @@ import pytest
 from somo_cli.scene import columns
 from somo_cli.simulation.plan.build import make_plan
 from tests.builders.definitions import BOX, CAPSULE, STADIUM, Data, actuator, hinge, manipulator
-from tests.builders.runs import rows_of
+from tests.builders.runs import columns_of, rows_of
 from tests.builders.scenes import scene_from_text
 
 pytest.importorskip("pybullet")
@@ -28,9 +28,7 @@ def finger(link: Data, torque: float, collides: bool, count: int = 12) -> dict[s
     }
     record = {"every": 10, "columns": ["joint_angles", "tip_position", "contact_force"]}
     scene = {"gravity": [0, 0, 0], "manipulators": [one], "record": record}
-    plan = make_plan(scene_from_text(json.dumps(scene)))
-    found = np.array(rows_of(plan, 2000))
-    return dict(zip(columns.header(plan.recorded), found.T, strict=True))
+    return columns_of(scene_from_text(json.dumps(scene)), 2000)
 
 
 LINK = {"shape_type": "box", "dimensions": [0.02, 0.01, 0.02], "mass": 0.01}

@@ -41,13 +41,13 @@ ASKEW = {
 PLACED = {"position": [0.1, -0.2, 0.3], "rpy": [0.4, -0.5, 0.6]}
 
 
-def plan_of(*manipulators: dict[str, Any], **more: Any) -> Plan:
+def plan_of_manipulators(*manipulators: dict[str, Any], **more: Any) -> Plan:
     data = {"gravity": [0, 0, 0], "time_step": STEP, **more}
     return make_plan(scene_from_text(json.dumps({**data, "manipulators": manipulators})))
 
 
 def askew(base: str, **more: Any) -> Plan:
-    return plan_of({"definition": ASKEW, "base": base, **PLACED, **more})
+    return plan_of_manipulators({"definition": ASKEW, "base": base, **PLACED, **more})
 
 
 def rates_of(body: BulletBody) -> np.ndarray:
@@ -59,8 +59,10 @@ def rates_of(body: BulletBody) -> np.ndarray:
 
 def test_two_worlds_do_not_disturb_each_other() -> None:
     plans = [
-        plan_of({"definition": EVERYTHING}, gravity=[0, 1, -9.81]),
-        plan_of({"definition": "finger.yaml", "rpy": [1, 0, 0]}, gravity=[3, 0, 0], time_step=2e-3),
+        plan_of_manipulators({"definition": EVERYTHING}, gravity=[0, 1, -9.81]),
+        plan_of_manipulators(
+            {"definition": "finger.yaml", "rpy": [1, 0, 0]}, gravity=[3, 0, 0], time_step=2e-3
+        ),
     ]
 
     def alone(plan: Plan) -> list[Any]:
@@ -81,7 +83,7 @@ def test_worlds_of_the_same_names_are_not_mistaken() -> None:
     """The engine has a cache of files by their names."""
     for mass in (0.5, 0.25):
         tip = {"shape_type": "sphere", "dimensions": [0.01], "mass": mass}
-        plan = plan_of({"definition": manipulator(actuator(1, X), tip_definition=tip)})
+        plan = plan_of_manipulators({"definition": manipulator(actuator(1, X), tip_definition=tip)})
         with BulletWorld(plan) as world:
             engine: Any = world.bodies[0]
             told = engine.engine.getDynamicsInfo(engine.index, 0)
@@ -173,7 +175,7 @@ def test_an_impossible_inertia_is_refused(moments: list[float]) -> None:
         "shape_type": "box", "dimensions": [0.02, 0.02, 0.1], "mass": 0.01,
         "inertial_values": moments,
     }  # fmt: skip
-    plan = plan_of({"definition": manipulator(actuator(2, X, link=link))})
+    plan = plan_of_manipulators({"definition": manipulator(actuator(2, X, link=link))})
     with pytest.raises(EngineRefused, match="inertia of actuator_0_segment_01 is"):
         BulletWorld(plan).__enter__()
 
@@ -217,7 +219,7 @@ def test_the_origin_of_the_base_frame_has_the_velocity_of_the_scene() -> None:
     for step in (1e-3, 1e-4):
         one = {"definition": ASKEW, "base": "free", **PLACED}
         moving = {"linear_velocity": linear, "angular_velocity": angular}
-        plan = plan_of({**one, **moving}, time_step=step)
+        plan = plan_of_manipulators({**one, **moving}, time_step=step)
         with BulletWorld(plan) as world:
             before = world.bodies[0].base_pose()
             world.step()
@@ -257,7 +259,7 @@ def test_reset_brings_everything_back_exactly() -> None:
 
 @pytest.mark.parametrize("segments", [1, MAX_UNNAMED_JOINTS // 2, MAX_UNNAMED_JOINTS // 2 + 1])
 def test_torques_are_all_that_is_applied_however_many_joints(segments: int) -> None:
-    plan = plan_of({"definition": manipulator(actuator(segments, X, Y))})
+    plan = plan_of_manipulators({"definition": manipulator(actuator(segments, X, Y))})
     count = len(plan.bodies[0].chain.joints)
     torques = np.random.default_rng(segments).normal(size=count).tolist()
     rates = []
@@ -332,7 +334,7 @@ def test_bias_forces_are_those_that_slow_the_joints(base: str, seed: int) -> Non
 def test_a_held_base_has_the_bias_forces_of_a_static_one() -> None:
     told = []
     for base in ("static", "constrained"):
-        plan = plan_of({"definition": ASKEW, "base": base})
+        plan = plan_of_manipulators({"definition": ASKEW, "base": base})
         angles = bent(plan.bodies[0].chain)
         rates = np.random.default_rng(5).normal(size=(2, len(angles)))
         with BulletWorld(plan) as world:
@@ -362,7 +364,7 @@ def test_bias_forces_and_a_push_of_the_base_leave_every_velocity_as_it_is() -> N
 @pytest.mark.parametrize("rpy", [[0, 0, 0], [0.4, -0.5, 0.6], [3.14159265, 0, 0]])
 def test_the_bias_forces_hold_a_body_against_gravity(rpy: list[float]) -> None:
     gravity = [0.5, -1.0, -9.81]
-    plan = plan_of({"definition": ASKEW, "rpy": rpy}, gravity=gravity)
+    plan = plan_of_manipulators({"definition": ASKEW, "rpy": rpy}, gravity=gravity)
     angles = bent(plan.bodies[0].chain)
     still = [0.0] * len(angles)
     with BulletWorld(plan) as world:
@@ -374,7 +376,9 @@ def test_the_bias_forces_hold_a_body_against_gravity(rpy: list[float]) -> None:
 
 
 def test_the_bias_forces_leave_the_gravity_of_the_world_alone() -> None:
-    plan = plan_of({"definition": ASKEW, "base": "free", **PLACED}, gravity=[0.5, -1.0, -9.81])
+    plan = plan_of_manipulators(
+        {"definition": ASKEW, "base": "free", **PLACED}, gravity=[0.5, -1.0, -9.81]
+    )
     n = len(plan.bodies[0].chain.joints)
     with BulletWorld(plan) as world:
         body = world.bodies[0]
@@ -388,7 +392,7 @@ def test_the_bias_forces_leave_the_gravity_of_the_world_alone() -> None:
 
 def test_the_engine_adds_no_damping_and_no_limit_to_the_rates() -> None:
     wheel = hinge(0, 0, 1, joint_type="continuous", limits=None, spring_stiffness=0)
-    plan = plan_of({"definition": manipulator(actuator(1, wheel))})
+    plan = plan_of_manipulators({"definition": manipulator(actuator(1, wheel))})
     with BulletWorld(plan) as world:
         body = world.bodies[0]
         body.reset([0.0], [500.0])
@@ -411,7 +415,7 @@ def bending(base: str, rpy: list[float], integrator: str) -> np.ndarray:
         ],
     }
     record = {"columns": ["joint_angles", "base_pose"], "every": 10}
-    plan = plan_of(one, gravity=[0, 0, -9.81], integrator=integrator, record=record)
+    plan = plan_of_manipulators(one, gravity=[0, 0, -9.81], integrator=integrator, record=record)
     return np.array(rows_of(plan, 600))
 
 
@@ -433,12 +437,16 @@ def test_dry_friction_holds_a_joint_until_it_slips(scale: float) -> None:
         drive = {"actuator": 0, "axis": 0, "torque": torque}
         one = {"definition": manipulator(actuator(1, joint)), "actuation": [drive]}
         record = {"columns": ["joint_angles"], "every": 20}
-        plan = plan_of(one, world_scale=scale, record=record, time_step=1e-4)
+        plan = plan_of_manipulators(one, world_scale=scale, record=record, time_step=1e-4)
         return rows_of(plan, 20)[-1][1]
 
     for torque in (0.0, 0.005, 0.0099, -0.0099):
         assert abs(last_angle(torque)) < 1e-9
-    link = plan_of({"definition": manipulator(actuator(1, joint))}).bodies[0].chain.links[1]
+    link = (
+        plan_of_manipulators({"definition": manipulator(actuator(1, joint))})
+        .bodies[0]
+        .chain.links[1]
+    )
     inertia = link.inertial.inertia[0] + link.inertial.mass * link.inertial.centre[2] ** 2
     for torque in (0.0101, 0.015, -0.015):
         # a constant torque, less the friction, over 2 ms
@@ -462,7 +470,7 @@ def test_bodies_cannot_pass_through_each_other() -> None:
     record = {"columns": ["tip_position"], "every": 10}
     lowest = []
     for bodies in ((finger,), (finger, behind)):
-        plan = plan_of(*bodies, record=record, world_scale=20)
+        plan = plan_of_manipulators(*bodies, record=record, world_scale=20)
         lowest.append(np.array(rows_of(plan, 200))[:, 2].min())
     # the wall's face, less the radius of the tip
     assert lowest[0] < -0.06
@@ -473,7 +481,7 @@ def test_joint_limits_hold() -> None:
     joint = {**Y, "limits": [-0.2, 0.1, 1, 1], "spring_stiffness": 0.001}
     drive = {"actuator": 0, "axis": 0, "torque": 0.002}
     one = {"definition": manipulator(actuator(2, joint)), "actuation": [drive]}
-    plan = plan_of(one, record={"columns": ["joint_angles"]})
+    plan = plan_of_manipulators(one, record={"columns": ["joint_angles"]})
     angles = np.array(rows_of(plan, 500))[:, 1:]
     assert angles.max() < 0.105
     assert angles[-1] == pytest.approx([0.1, 0.1], abs=1e-3)
@@ -537,7 +545,7 @@ def test_the_solver_takes_fewer_iterations_where_many_points_touch() -> None:
         50,
     ]
     one = {"definition": manipulator(actuator(2, X))}
-    with BulletWorld(plan_of(one, ground={"height": -9})) as world:
+    with BulletWorld(plan_of_manipulators(one, ground={"height": -9})) as world:
         for many in (17, 17, 3):
             world._contact_count = many
             world.adapt_solver_iterations()

@@ -13,7 +13,7 @@ from somo_cli.scene import columns
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.plan.build import make_plan
 from tests.builders.definitions import X, actuator, manipulator
-from tests.builders.mujoco_reference import model_of, prescribed_trajectory
+from tests.builders.mujoco_reference import mujoco_model, mujoco_trajectory_on_prescribed_base
 from tests.builders.runs import rows_of
 from tests.builders.scenes import scene_from_file, scene_from_text
 from tests.truth.table import Row, ordered
@@ -41,8 +41,10 @@ def bases() -> Iterator[list[Row]]:
     for case, data in MOTIONS.items():
         (one,) = finger(data, STEPS[0]).manipulators
         assert one.motion is not None
-        model = model_of(one.compiled.chain, (0, 0, -9.81), 2.5e-4, has_prescribed_base=True)
-        reference = prescribed_trajectory(model, one.motion, np.arange(0, 0.51, 0.02).tolist())
+        model = mujoco_model(one.compiled.chain, (0, 0, -9.81), 2.5e-4, has_prescribed_base=True)
+        reference = mujoco_trajectory_on_prescribed_base(
+            model, one.motion, np.arange(0, 0.51, 0.02).tolist()
+        )
         of_pose, of_angles = [], []
         for step in STEPS:
             plan = make_plan(finger(data, step))

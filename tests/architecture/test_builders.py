@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -55,3 +56,34 @@ def test_an_import_of_a_test_is_found(module: str, source: str) -> None:
 def test_an_import_of_a_builder_or_a_tool_is_allowed() -> None:
     source = "from tests.builders.scenes import DEFINITIONS\nfrom tests.truth import surfaces\n"
     assert breaches({"tests.test_one": source}) == []
+
+
+BUILDERS = {name: source for name, source in SOURCES.items() if name.startswith("tests.builders.")}
+
+
+def definitions(source: str) -> list[ast.FunctionDef | ast.ClassDef]:
+    """Return the public functions and classes of a module."""
+    return [
+        node
+        for node in ast.parse(source).body
+        if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_")
+    ]
+
+
+def test_every_builder_says_what_it_returns() -> None:
+    silent = [
+        f"{module}.{node.name}"
+        for module, source in BUILDERS.items()
+        for node in definitions(source)
+        if not ast.get_docstring(node)
+    ]
+    assert silent == []
+
+
+def test_the_name_of_a_builder_is_that_of_nothing_else() -> None:
+    homes: dict[str, list[str]] = {}
+    for module, source in SOURCES.items():
+        for node in definitions(source):
+            homes.setdefault(node.name, []).append(module)
+    built = {node.name for source in BUILDERS.values() for node in definitions(source)}
+    assert {name: homes[name] for name in built if len(homes[name]) > 1} == {}
