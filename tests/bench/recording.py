@@ -22,10 +22,11 @@ from typing import TextIO
 import numpy as np
 
 from somo_cli.arrays import Array
+from somo_cli.scene import columns
 from somo_cli.scene.model import Quantity
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.model import Plan
-from somo_cli.simulation.recording import columns, shortest_float
+from somo_cli.simulation.recording import shortest_float
 from somo_cli.simulation.recording.csv_writer import CsvWriter
 from somo_cli.simulation.run import run
 from tests.bench.stepping import finger_plan
