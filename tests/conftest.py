@@ -62,7 +62,7 @@ def narrow_umask() -> Iterator[None]:
 
 @pytest.fixture
 def somo(tmp_path: Path, environment: dict[str, str]) -> Somo:
-    """Run the command in a process of its own: `somo("check", path)`; in `tmp_path` unless told."""
+    """Run the command in a process of its own, by default in `tmp_path`: `somo("check", path)`."""
 
     def run(
         *arguments: str | Path,

@@ -103,9 +103,9 @@ def has_collision(name: str) -> bool:
 def by_somo(name: str, inertia: str = "solid") -> Found:
     """Load an object with somo. Raises InvalidFile."""
     read = scene(name, inertia)
-    (thing,) = read.objects
-    inertial = thing.chain.links[0].inertial
-    box = np.array(bounding_box(thing.chain, (), Pose()))
+    (one_object,) = read.objects
+    inertial = one_object.chain.links[0].inertial
+    box = np.array(bounding_box(one_object.chain, (), Pose()))
     last = rows_of(read, STEPS)[-1][-7:]
     position, turn = np.array(last[:3]), last[3:]
     rotation = np.array(geometry.rotation_from_quaternion(tuple(turn)))
@@ -115,7 +115,7 @@ def by_somo(name: str, inertia: str = "solid") -> Found:
         box[:, 1] - box[:, 0],
         float(position[2]),
         rotation[2],
-        thing.is_fixed,
+        one_object.is_fixed,
     )
 
 

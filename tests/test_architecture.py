@@ -34,11 +34,11 @@ def test_the_readme_has_the_map_as_it_is() -> None:
 
 
 def test_the_package_lists_every_room() -> None:
-    told = ast.get_docstring(ast.parse(SOURCES[""])) or ""
+    reported = ast.get_docstring(ast.parse(SOURCES[""])) or ""
     missing = [
         room
         for room in KNOWS
-        if room not in ("", "__main__") and f"`{room.replace('.', '/')}" not in told
+        if room not in ("", "__main__") and f"`{room.replace('.', '/')}" not in reported
     ]
     assert missing == []
 

@@ -596,10 +596,10 @@ def comma_locale(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
         "PYTHONPATH": f"{folder}{os.pathsep}{Path(somo_cli.__file__).parents[1]}",
     }
     point = "import locale; print(locale.localeconv()['decimal_point'])"
-    told = subprocess.run(
+    reported = subprocess.run(
         [sys.executable, "-c", point], env=os.environ | environment, capture_output=True, check=True
     )
-    if told.stdout.strip() != b",":
+    if reported.stdout.strip() != b",":
         pytest.skip("the locale cannot be used")
     return environment
 

@@ -30,10 +30,10 @@ def test_a_run_says_what_it_leaves_out_and_keeps_it_beside_its_result(
     assert ended.stderr.startswith("left out  collision shapes: one manipulator, no ground")
     assert ended.stdout.startswith("time_s,")
     somo("run", "scene.yaml", "--steps", "10", "-q", cwd=here)
-    told = json.loads((here / "scene.meta.json").read_text("utf-8"))["plan"]
+    reported = json.loads((here / "scene.meta.json").read_text("utf-8"))["plan"]
     assert [
         f"{one['what']}: {one['why']}" + (f"; saves {one['saves']}" if one["saves"] else "")
-        for one in told
+        for one in reported
     ] == [line[10:] for line in ended.stderr.splitlines()]
     assert "motor rows of joints: no dry friction; saves 10 rows in every step" in ended.stderr
 
@@ -51,13 +51,13 @@ def test_what_is_kept_on_request_is_reported_as_kept(somo: Somo, here: Path) -> 
     command = ("run", "scene.yaml", "--steps", "1", "--explain", "--keep-everything", "-q")
     ended = somo(*command, cwd=here)
     assert "kept      motor rows of joints: asked for, though no dry friction\n" in ended.stderr
-    told = json.loads((here / "scene.meta.json").read_text("utf-8"))["plan"]
+    reported = json.loads((here / "scene.meta.json").read_text("utf-8"))["plan"]
     assert {
         "what": "motor rows of joints",
         "kept": True,
         "why": "asked for, though no dry friction",
         "saves": None,
-    } in told
+    } in reported
 
 
 @pytest.mark.moderate

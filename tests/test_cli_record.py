@@ -151,10 +151,10 @@ def test_both_files_stay_partial_when_a_run_fails(somo: Somo, here: Path) -> Non
 @pytest.mark.moderate
 def test_a_report_goes_to_the_end_of_its_own_time(somo: Somo, here: Path) -> None:
     options = ("--time-steps", "0.002,0.004", "--duration", "0.1", "--integrators", "implicit")
-    told = []
+    reported = []
     for sets in ((), ("--set", "stop=[{time: 0.01}]", "--set", "record.only=['*.tip.x_m']")):
-        ended = somo("report", "scene.yaml", *options, *sets, "-o", f"report_{len(told)}", "-q")
+        ended = somo("report", "scene.yaml", *options, *sets, "-o", f"report_{len(reported)}", "-q")
         assert ended.returncode == 0, ended.stderr
-        found = json.loads((here / f"report_{len(told)}" / "report.json").read_text("utf-8"))
-        told.append([case["steps"] for case in found["cases"]])
-    assert told[0] == told[1]
+        found = json.loads((here / f"report_{len(reported)}" / "report.json").read_text("utf-8"))
+        reported.append([case["steps"] for case in found["cases"]])
+    assert reported[0] == reported[1]

@@ -1,4 +1,4 @@
-"""A small part of `make contact`: forces, grips and blows against references, and their limits."""
+"""A small part of `make contact`: forces, grips and impacts against references, and limits."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from tests.contact.trial import recorded, trial
 pytest.importorskip("pybullet")
 
 FINE = 1e-4  # s
-# of the cases whose figure is converged there; the others are judged by `make contact`
+# of the cases whose figure is converged there; the others are in `make contact`
 NAMES = [case.name for case in cases() if not case.is_slow]
 
 
@@ -99,7 +99,7 @@ def snake_that_falls_on_its_end() -> Case:
 
 @pytest.mark.slow
 def test_a_snake_that_falls_on_its_end_takes_up_no_energy() -> None:
-    """Its light links spin at once; bias forces that go on with such a blow made it 77 times E."""
+    """Light links spin at once; bias forces extrapolated with the impact gave it 77 times E."""
     table, _ = recorded(snake_that_falls_on_its_end(), 1e-3)
     energy = sum(values for name, values in table.items() if name.endswith("_j"))
     assert energy.max() <= energy[0] * (1 + 1e-9)
@@ -121,20 +121,20 @@ def test_a_finger_curls_as_far_at_any_step() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("candidate", list(filters()), ids=lambda one: one.name)
 def test_no_filter_of_the_measured_force_is_worth_it(candidate: Candidate) -> None:
-    """Why the law takes the force as it is: over three blows none takes a tenth off the error."""
-    blows = [case for case in cases() if case.name.startswith("wall struck")]
-    truths = [converged(case.name) for case in blows]
+    """Why the law takes the force as it is: over three impacts none takes a tenth off the error."""
+    impacts = [case for case in cases() if case.name.startswith("wall struck")]
+    truths = [converged(case.name) for case in impacts]
     own, other = (
         math.fsum(
             abs(trial(case, 1e-3, law).figure / truth - 1)
-            for case, truth in zip(blows, truths, strict=True)
+            for case, truth in zip(impacts, truths, strict=True)
         )
         for law in (PLAIN, candidate)
     )
     assert 0.9 * own < other
 
 
-def test_dampers_far_above_the_inertia_let_a_sliding_finger_shake_but_little() -> None:
+def test_a_sliding_finger_with_strong_dampers_shakes_little() -> None:
     """By 1e-3 rad and more at 2 ms while the law answered contact a step late."""
     assert shake(PLAIN, 300, 2e-3) < 5e-4
     assert shake(PLAIN, 300, 5e-4) < 1e-4

@@ -127,7 +127,7 @@ def test_arm_and_snake_are_soft_silicone(
 
 
 @pytest.mark.moderate
-def test_nothing_to_complain_about(somo: Somo) -> None:
+def test_shipped_files_have_no_problems(somo: Somo) -> None:
     done = somo("check", *FILES, *sorted((FOLDER / "trajectories").glob("*.yaml")))
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
@@ -169,15 +169,15 @@ def test_every_scene_moves_and_stays_in_bounds(somo: Somo, scene: str, tmp_path:
     table = recorded(somo, scene, 2000, tmp_path)
     assert table["time_s"][-1] == pytest.approx(2.0)
     chain = first_chain_in(scene)
-    ways = []
+    reaches = []
     for limb in chain.backbones:
         end = f"{limb.prefix}tip."
         tip = columns(table, f".{end}x_m", f".{end}y_m", f".{end}z_m")
-        ways.append(np.linalg.norm(tip - tip[0], axis=1).max() / chain.length)
+        reaches.append(np.linalg.norm(tip - tip[0], axis=1).max() / chain.length)
     # not every arm of one that leans on its feet slides in the first two seconds
     least = {"blocked_force_scene": 0.04, "starfish_shift_scene": 0.08}.get(scene, 0.09)
-    assert (max if scene == "starfish_shift_scene" else min)(ways) > least
-    assert max(ways) < 1.5
+    assert (max if scene == "starfish_shift_scene" else min)(reaches) > least
+    assert max(reaches) < 1.5
     assert np.abs(columns(table, ".angle_rad")).max() < 1.0
 
 

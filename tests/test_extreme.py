@@ -68,7 +68,7 @@ def test_what_the_engine_refuses_is_said_beforehand(name: str, code: str) -> Non
     assert not one.is_surprise
 
 
-def test_a_motion_that_no_step_follows_is_told_from_divergence_and_said_beforehand() -> None:
+def test_a_motion_that_no_step_follows_is_distinguished_from_divergence_and_predicted() -> None:
     one = found("torque: saturate")
     assert one.implicit.diverged is not None
     assert one.implicit.is_too_fast
@@ -97,11 +97,11 @@ BAD = (
 )
 
 
-@pytest.mark.parametrize(("bad", "told"), BAD)
-def test_a_failure_is_a_hole_if_the_case_is_damped(bad: Outcome, told: str) -> None:
+@pytest.mark.parametrize(("bad", "reported"), BAD)
+def test_a_failure_is_a_hole_if_the_case_is_damped(bad: Outcome, reported: str) -> None:
     one = Verdict(ODD, bad, FINE, FINE, None, ())
     assert one.is_hole
-    assert told in one.cells[1]
+    assert reported in one.cells[1]
     assert one.cells[2] == "rests <1e-09"
     assert "fail: 1\n  odd: one\n" in summary([one, *[found("finger: at rest")]])
     assert matrix([one]).splitlines()[1].startswith("odd: one")

@@ -20,12 +20,16 @@ def test_a_ball_in_three_fingers_is_held_as_with_a_fine_step(step: float) -> Non
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("shape", ["cube", "capsule"])
-def test_more_points_than_hold_a_body_shake_no_less_quietly(shape: str) -> None:
-    """Two points of each of four fingers: their share of the force is not determined."""
+@pytest.mark.parametrize(("shape", "grip"), [("cube", 3e-4), ("capsule", 2.5e-3)])
+def test_more_points_than_hold_a_body_shake_no_less_quietly(shape: str, grip: float) -> None:
+    """Two points of each of four fingers: their share of the force is not determined.
+
+    From the run at 0.2 ms, the grip of the cube differs by 2.0e-4 at 1 ms and by 6e-5 at 0.5 ms,
+    that of the capsule by 2.0e-3 and by 1.6e-3.
+    """
     found = verdict(Grasp("lifted", 4, shape=shape), 1e-3)
     assert found.shaking < 1e-5
-    assert found.grip < 5e-3
+    assert found.grip < grip
 
 
 def test_a_verdict_fails_what_shakes_slips_or_is_off() -> None:

@@ -25,8 +25,8 @@ print(*sorted(ours), file=sys.stderr)
 sys.exit(code)
 """
 TYPER = {"typer"}
-JUDGING = TYPER | {"jsonschema", "referencing", "yaml", "xml"}
-RUNNING = JUDGING | {"numpy", "pybullet"}
+CHECKING = TYPER | {"jsonschema", "referencing", "yaml", "xml"}
+RUNNING = CHECKING | {"numpy", "pybullet"}
 
 DOOR = {"cli", "files", "output_files", "problems", "terminal"}
 LOADING = DOOR | {"document", "loading", "manipulator", "packages", "scene", "scene.checks"}
@@ -41,7 +41,7 @@ PLANNED = LOADING | {
 }
 RUN = PLANNED | {"simulation.dynamics", "simulation.engine.bullet", "simulation.recording"}
 API = RUN | {"api"}
-JUDGED = LOADING | {"analysis", "arrays", "simulation.dynamics", "simulation.plan"}
+CHECKED = LOADING | {"analysis", "arrays", "simulation.dynamics", "simulation.plan"}
 
 FINGER = "finger.yaml"
 SCENE = "scene.yaml"  # with cubic waypoints
@@ -52,18 +52,18 @@ EXPECTED = {
     ("--version",): (TYPER, DOOR),
     ("--help",): (TYPER, DOOR),
     ("run", "--help"): (TYPER, DOOR),
-    ("build", FINGER): (JUDGING, LOADING),
-    ("build", FINGER, "--verify"): (JUDGING | {"numpy", "scipy", "trimesh", "yourdfpy"}, LOADING),
-    ("check", FINGER): (JUDGING, LOADING),
-    ("check", SCENE): (JUDGING, LOADING),
-    ("check", SCENE, "--plan"): (JUDGING | {"numpy"}, PLANNED),
-    ("check", SCENE, "--numerics"): (JUDGING | {"numpy", "scipy"}, JUDGED),
+    ("build", FINGER): (CHECKING, LOADING),
+    ("build", FINGER, "--verify"): (CHECKING | {"numpy", "scipy", "trimesh", "yourdfpy"}, LOADING),
+    ("check", FINGER): (CHECKING, LOADING),
+    ("check", SCENE): (CHECKING, LOADING),
+    ("check", SCENE, "--plan"): (CHECKING | {"numpy"}, PLANNED),
+    ("check", SCENE, "--numerics"): (CHECKING | {"numpy", "scipy"}, CHECKED),
     ("run", FINGER, "--steps", "1"): (RUNNING, API),
     ("run", SCENE, "--steps", "1"): (RUNNING, API),
     ("run", TUMBLE, "--steps", "1"): (RUNNING | {"scipy", "trimesh"}, API),
     ("run", SCENE, "--steps", "9", "--error"): (RUNNING, API | {"analysis"}),
     REPORT: (RUNNING | {"matplotlib"}, RUN | {"analysis", "picture"}),
-    STIFFNESS: (JUDGING | {"numpy", "scipy"}, LOADING | {"analysis", "arrays", "calibration"}),
+    STIFFNESS: (CHECKING | {"numpy", "scipy"}, LOADING | {"analysis", "arrays", "calibration"}),
 }
 
 

@@ -297,7 +297,7 @@ def test_standard_output_stays_open() -> None:
     assert run(code, stdout=subprocess.PIPE).communicate() == ("a\nb\n", "")
 
 
-def test_a_closed_pipe_is_told_to_the_caller() -> None:
+def test_a_closed_pipe_is_reported_to_the_caller() -> None:
     code = (
         "import sys; from somo_cli.output_files import open_partial\n"
         "try:\n"

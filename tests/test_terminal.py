@@ -138,7 +138,7 @@ def test_a_thousand_problems_are_not_all_said(capsys: pytest.CaptureFixture[str]
 
 
 @pytest.mark.parametrize("stream", [None, "closed", "broken"])
-def test_without_standard_error_nothing_is_said(
+def test_without_standard_error_nothing_is_reported(
     monkeypatch: pytest.MonkeyPatch, stream: str | None
 ) -> None:
     class Broken(io.StringIO):

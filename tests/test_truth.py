@@ -58,8 +58,8 @@ def test_a_calibrated_chain_has_the_tip_stiffness_asked_for(
     s = np.linspace(0, 1, 401)
     chain = np.interp(s * calibrated.LENGTH, np.append(0, heights), np.append(0, off))
     apart = np.abs(chain / off[-1] - s * s * (3 - s) / 2).max()
-    told = compare_with_beam(calibrated.axis_of(count, axis, placement), placement)
-    assert apart == pytest.approx(told.along, rel=1e-4)
+    reported = compare_with_beam(calibrated.axis_of(count, axis, placement), placement)
+    assert apart == pytest.approx(reported.along, rel=1e-4)
 
 
 def test_somos_formula_makes_another_tip_stiffness() -> None:

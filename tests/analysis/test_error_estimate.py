@@ -1,4 +1,4 @@
-"""The error that a run tells of itself, against the true one."""
+"""The error that a run reports of itself, against the true one."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ def test_the_estimate_of_a_whipped_finger_is_its_error_within_two(step: float) -
     scene = struck_finger(step)
     steps = round(1 / step)
     true = np.abs(np.array(rows_of(scene, steps))[1:, 1:] - struck_finger_in_mujoco()).max(axis=0)
-    told = np.array([error.maximum for error in estimated(scene, steps).errors])
-    assert np.all(told > true / 2), (told, true)
-    assert np.all(told < true * 2), (told, true)
+    reported = np.array([error.maximum for error in estimated(scene, steps).errors])
+    assert np.all(reported > true / 2), (reported, true)
+    assert np.all(reported < true * 2), (reported, true)
 
 
 def test_a_final_error_is_that_of_the_last_row() -> None:

@@ -20,7 +20,7 @@ HINGES = f"{CUT}.joint_definitions"
 TWO = "manipulators: [{definition: finger.yaml}, {definition: finger.yaml, name: other}]\n"
 
 
-def judged(name: str, *sets: str) -> NumericsReport:
+def report_of(name: str, *sets: str) -> NumericsReport:
     return judged_text((DEFINITIONS / name).read_text("utf-8"), name, *sets)
 
 
@@ -47,7 +47,7 @@ def codes(known: NumericsReport) -> dict[str, str]:
     ],
 )
 def test_shipped_scenes_are_fit_to_run(name: str) -> None:
-    found = codes(judged(name))
+    found = codes(report_of(name))
     assert set(found.values()) <= {"info"}
 
 
@@ -101,7 +101,7 @@ def test_shipped_scenes_are_fit_to_run(name: str) -> None:
     ],
 )
 def test_every_finding(sets: tuple[str, ...], code: str, severity: str, advice: str) -> None:
-    found = [one for one in judged("scene.yaml", *sets).findings if one.code == code]
+    found = [one for one in report_of("scene.yaml", *sets).findings if one.code == code]
     assert [one.severity for one in found] == [severity]
     assert advice in found[0].hint
     assert not found[0].message[0].isupper()
@@ -109,16 +109,16 @@ def test_every_finding(sets: tuple[str, ...], code: str, severity: str, advice: 
 
 
 def test_findings_point_to_what_they_are_about() -> None:
-    found = judged("scene.yaml", "integrator=explicit").findings
+    found = report_of("scene.yaml", "integrator=explicit").findings
     (limit,) = (one.span for one in found if one.code == "explicit-step-too-long")
     assert (limit.source, limit.line) == (str(DEFINITIONS / "scene.yaml"), 6)
-    found = judged("scene.yaml", "manipulators[0].definition.tip_definition.mass=30").findings
+    found = report_of("scene.yaml", "manipulators[0].definition.tip_definition.mass=30").findings
     (heavy,) = (one.span for one in found if one.code == "mass-ratio")
     assert heavy.source == str(DEFINITIONS / "finger.yaml")
 
 
 def test_small_bodies_are_found_only_where_something_can_touch() -> None:
-    alone = judged("finger.yaml", "world_scale=1")
+    alone = report_of("finger.yaml", "world_scale=1")
     assert "small-for-contact" not in codes(alone)
     found = judged_text(TWO + "world_scale: 1\n").findings
     advised = [one for one in found if one.code == "small-for-contact"]
@@ -129,14 +129,14 @@ def test_small_bodies_are_found_only_where_something_can_touch() -> None:
 
 
 def test_the_advice_for_a_frozen_joint_cures_it() -> None:
-    known = judged("scene.yaml", "world_scale={length: 20, mass: 1e-14}")
+    known = report_of("scene.yaml", "world_scale={length: 20, mass: 1e-14}")
     (frozen,) = (one for one in known.findings if one.code == "frozen-joint")
     scale = frozen.hint.removesuffix(" changes no result").replace("world_scale: ", "world_scale=")
-    assert "frozen-joint" not in codes(judged("scene.yaml", scale))
+    assert "frozen-joint" not in codes(report_of("scene.yaml", scale))
 
 
 def test_a_body_of_singular_inertia_is_an_error() -> None:
-    known = judged(
+    known = report_of(
         "scene.yaml",
         f"{CUT}.link_definition.mass=1e-12",
         "manipulators[0].definition.tip_definition.mass=1e12",
@@ -147,30 +147,34 @@ def test_a_body_of_singular_inertia_is_an_error() -> None:
 
 
 def test_a_body_that_nothing_moves_is_a_finding() -> None:
-    known = judged("cantilever_scene.yaml", "manipulators[0].loads=[]")
+    known = report_of("cantilever_scene.yaml", "manipulators[0].loads=[]")
     assert codes(known)["nothing-moves"] == "info"
-    assert "nothing-moves" not in codes(judged("cantilever_scene.yaml"))
+    assert "nothing-moves" not in codes(report_of("cantilever_scene.yaml"))
 
 
 def test_the_recommended_mass_is_in_kilograms() -> None:
     heavy = "manipulators[0].definition.tip_definition.mass=30"
-    known = judged("scene.yaml", heavy, "world_scale={length: 20, mass: 1000}")
+    known = report_of("scene.yaml", heavy, "world_scale={length: 20, mass: 1000}")
     (found,) = (one for one in known.findings if one.code == "mass-ratio")
     assert "heavier than 0.03 kg" in found.hint
 
 
 def test_the_table_and_the_values_agree() -> None:
-    known = judged("scene.yaml")
-    told = stability_report.plain_data(known)
+    known = report_of("scene.yaml")
+    reported = stability_report.plain_data(known)
     lines = "\n".join(stability_report.table(known))
-    assert told["recommended_time_step_s"] == {"implicit": 0.01, "euler": 2e-4, "explicit": 2e-4}
-    assert told["explicit_step_s"] == known.explicit_step
+    assert reported["recommended_time_step_s"] == {
+        "implicit": 0.01,
+        "euler": 2e-4,
+        "explicit": 2e-4,
+    }
+    assert reported["explicit_step_s"] == known.explicit_step
     assert f"{known.explicit_step:.4g}" in lines
     assert (
         "implicit at 0.001 s: stable; a tip error of about 0.0033 % of the length is expected"
         in lines
     )
-    frequencies = told["manipulators"]["finger"]["start"]["frequencies_rad_per_s"]  # type: ignore[index]
+    frequencies = reported["manipulators"]["finger"]["start"]["frequencies_rad_per_s"]  # type: ignore[index]
     assert len(frequencies) == 10
 
 

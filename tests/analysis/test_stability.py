@@ -25,7 +25,7 @@ pytestmark = pytest.mark.slow
 CUT = "manipulators[0].definition.actuator_definitions[0]"
 
 
-def outlook(scene: Scene) -> StabilityForecast:
+def forecast(scene: Scene) -> StabilityForecast:
     plan = make_plan(scene)
     return forecast_of(plan, plan.bodies[0])
 
@@ -55,7 +55,7 @@ def beam(n: int, damping: float = 0.0) -> Scene:
 )
 def test_a_chain_vibrates_as_computed(n: int, first: float, last: float) -> None:
     unit = math.sqrt(1 / 0.3)
-    found = outlook(beam(n)).modes["start"].frequencies / unit
+    found = forecast(beam(n)).modes["start"].frequencies / unit
     assert found[0] == pytest.approx(first, rel=1e-8)
     assert found[-1] == pytest.approx(last, rel=1e-6)
 
@@ -64,7 +64,7 @@ def test_chains_near_the_beam_with_second_order() -> None:
     unit = math.sqrt(1 / 0.3)
     errors = []
     for n in (5, 10, 20, 40):
-        first = outlook(beam(n)).modes["start"].frequencies[0] / unit
+        first = forecast(beam(n)).modes["start"].frequencies[0] / unit
         errors.append(first / 3.51601526850015 - 1)
     # 9.3e-3, 2.3e-3, 5.7e-4, 1.4e-4
     assert errors == pytest.approx([9.3e-3, 2.3e-3, 5.7e-4, 1.4e-4], rel=0.05)
@@ -74,13 +74,13 @@ def test_chains_near_the_beam_with_second_order() -> None:
 def test_the_explicit_step_of_a_fine_chain_goes_with_the_square_of_its_joints() -> None:
     """0.2255 / n² sqrt(ρ A L⁴ / EI), without damping."""
     n = 40
-    found = outlook(beam(n)).explicit_step
+    found = forecast(beam(n)).explicit_step
     assert found == pytest.approx(0.2255 / n**2 * math.sqrt(0.3), rel=0.01)
 
 
 def test_one_hinge_has_its_frequency_and_its_ratio() -> None:
     scene = dataclasses.replace(scene_from_text(PENDULUM), gravity=(0.0, 0.0, 0.0))
-    found = outlook(scene)
+    found = forecast(scene)
     omega = math.sqrt(50 / PENDULUM_INERTIA)
     zeta = 0.5 / (2 * math.sqrt(50 * PENDULUM_INERTIA))
     assert found.modes["start"].frequencies == pytest.approx([omega])
@@ -98,11 +98,11 @@ def test_gravity_stiffens_what_hangs_and_softens_what_stands() -> None:
     )
     weight = 1.0 * 9.81 * 0.5  # N·m/rad: 1 kg, its centre half a metre from the hinge
     for scene, sign in ((upright, -1), (hanging, 1)):
-        modes = outlook(scene).modes["start"]
+        modes = forecast(scene).modes["start"]
         assert modes.frequencies**2 == pytest.approx([(50 + sign * weight) / PENDULUM_INERTIA])
         assert not modes.topples
     soft = scene_from_text(PENDULUM.replace("spring_stiffness: 50", "spring_stiffness: 4"))
-    assert outlook(soft).modes["start"].topples
+    assert forecast(soft).modes["start"].topples
 
 
 # The transient chain: 1 m, 1 kg, EI = 4 N·m² in n joints, with 2 % of damping on its first mode.
@@ -116,7 +116,7 @@ def test_damping_shortens_the_explicit_step_of_a_fine_chain(
     """With damping in proportion to stiffness every mode is alone: ζ = 0.02 ω / ω₁."""
     factor = math.sqrt(1 / 0.3 / 4)  # the beam here has EI = 1 N·m² and 0.3 kg
     # d = τ k, k = n EI / L
-    found = outlook(beam(n, 2 * 0.02 / (first * factor) * n))
+    found = forecast(beam(n, 2 * 0.02 / (first * factor) * n))
     assert found.modes["start"].frequencies[[0, -1]] / factor == pytest.approx(
         [first, last], rel=1e-6
     )
@@ -166,7 +166,7 @@ def test_damping_that_couples_modes_is_solved_for() -> None:
         mass, k = pose.joint_inertia(), np.diag(pose.chain.stiffness)
         k = k + pose.gravity_stiffness(plan.gravity)
         d = np.diag(pose.chain.damping)
-        modes = outlook(one).modes["start"]
+        modes = forecast(one).modes["start"]
         assert len(modes.all_roots) == 2 * len(mass)
         for root in modes.all_roots[[0, 5, 10, -1]]:
             values = np.linalg.svd(root**2 * mass + root * d + k, compute_uv=False)
@@ -177,7 +177,7 @@ def test_damping_that_couples_modes_is_solved_for() -> None:
 
 
 def test_damping_in_proportion_to_stiffness_leaves_modes_alone() -> None:
-    modes = outlook(beam(10, 1e-3)).modes["start"]
+    modes = forecast(beam(10, 1e-3)).modes["start"]
     assert modes.least_damping_ratio == pytest.approx(modes.damping_ratios[0], rel=1e-9)
 
 
@@ -223,7 +223,7 @@ def test_the_explicit_limit_is_that_of_the_engine(name: str) -> None:
     if name == "beam":
         one = dataclasses.replace(scene.manipulators[0], initial_angles=(0.001,) * 10)
         scene = dataclasses.replace(scene, manipulators=(one,))
-    limit = outlook(scene).explicit_step
+    limit = forecast(scene).explicit_step
     assert survives(scene, 0.98 * limit, 4000)
     assert not survives(scene, 1.02 * limit, 4000)
 
@@ -231,7 +231,7 @@ def test_the_explicit_limit_is_that_of_the_engine(name: str) -> None:
 def test_a_thrown_body_has_no_stiffness_of_gravity() -> None:
     scene = scene_from_text(THROWN_FINGER)
     still = dataclasses.replace(scene, gravity=(0.0, 0.0, 0.0))
-    first, second = (outlook(one).modes["start"].squared_frequencies for one in (scene, still))
+    first, second = (forecast(one).modes["start"].squared_frequencies for one in (scene, still))
     assert np.array_equal(first, second)
 
 

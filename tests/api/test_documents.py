@@ -52,8 +52,8 @@ def test_importing_the_package_imports_nothing_else(environment: dict[str, str])
         "print(all(hasattr(somo_cli, name) for name in somo_cli.__all__))"
     )
     command = [sys.executable, "-c", script]
-    told = subprocess.run(command, capture_output=True, text=True, env=environment, check=True)
-    assert told.stdout.splitlines() == ["set()", "True"]
+    reported = subprocess.run(command, capture_output=True, text=True, env=environment, check=True)
+    assert reported.stdout.splitlines() == ["set()", "True"]
 
 
 def test_an_unknown_name_is_an_attribute_error() -> None:

@@ -52,7 +52,7 @@ def test_objects_move_the_same_step_by_step_and_all_at_once() -> None:
                 assert np.array_equal(one, other)
 
 
-def test_what_it_tells_is_what_a_run_records() -> None:
+def test_states_read_are_those_that_a_run_records() -> None:
     result = somo.simulate(
         SCENE,
         100,
@@ -73,7 +73,7 @@ def test_what_it_tells_is_what_a_run_records() -> None:
         ]
 
 
-def test_objects_tell_where_they_are_and_what_presses_on_them() -> None:
+def test_objects_have_a_pose_and_a_contact_force() -> None:
     with somo.Simulation(DEFINITIONS / "tumble_scene.yaml") as simulation:
         names = [one for one in simulation.objects if one == "cube"] or list(simulation.objects)
         first, _ = simulation.object_pose(names[0])

@@ -29,12 +29,12 @@ def leave_at_defaults(world: BulletWorld, friction: float) -> None:
 
 
 def classic_loop(
-    plan: Plan, seconds: float, friction: float, look: Callable[[BulletWorld], object]
+    plan: Plan, seconds: float, friction: float, after_step: Callable[[BulletWorld], object]
 ) -> float:
     """Run the loop for so long [s], and return its wall time [s].
 
-    `friction` is that of every joint [engine units], in place of its damper; `look` is called after
-    each tenth of a second.
+    `friction` is that of every joint [engine units], in place of its damper; `after_step` is called
+    after each tenth of a second.
     """
     steps, every = round(seconds / plan.time_step), round(0.1 / plan.time_step)
     with BulletWorld(plan) as world:
@@ -46,7 +46,7 @@ def classic_loop(
             world.step()
             spent += time.perf_counter() - started
             if (step + 1) % every == 0:
-                look(world)
+                after_step(world)
         return spent
 
 

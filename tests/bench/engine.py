@@ -1,4 +1,4 @@
-"""What the engine can be told to do or to leave out, and what that makes of its step.
+"""What the engine can be set to do or to leave out, and what that makes of its step.
 
 Run by `make bench`. Each case is timed in turn with the product's own, round after round, on the
 engine's steps alone: those of the finger of forty joints, swinging, and those of the hand and its

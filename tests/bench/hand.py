@@ -4,7 +4,7 @@ Run by `make bench`. As in SoMo's in-hand scene, fingers stand around a palm, ti
 cube of 60 mm and 10 g lies on it; waves bend the fingers inwards and sideways. The loops are timed
 in turn, round after round; printed are medians, and the medians of ratios taken round by round. The
 classic loop takes steps of 1 ms, as SoMo's users do. How far the cube gets from where it is with
-steps of 0.1 ms tells which steps are short enough for ours; that of 0.2 ms, how sensitive it is.
+steps of 0.1 ms shows which steps are short enough for ours; that of 0.2 ms, how sensitive it is.
 """
 
 from __future__ import annotations
@@ -177,10 +177,10 @@ def main() -> None:
         for name, plan in plans.items():
             found[name].append(ours(plan, lambda values: None))
         found["classic"].append(classic(plan_of_hand()))
-    way = way_of_cube(min(FINE))
-    off = {step: 1e3 * float(np.abs(way_of_cube(step) - way).max()) for step in (*OURS, *FINE)}
+    path = way_of_cube(min(FINE))
+    off = {step: 1e3 * float(np.abs(way_of_cube(step) - path).max()) for step in (*OURS, *FINE)}
     print(
-        "four fingers of ten joints, a cube and a palm; cube: how far from its way at 0.1 ms [mm]"
+        "four fingers of ten joints, a cube and a palm; cube: how far from its path at 0.1 ms [mm]"
     )
     print("                us/step  engine  x real time  classic / ours    cube")
     steps = dict(zip(found, (*OURS, CLASSIC), strict=True))
@@ -194,7 +194,7 @@ def main() -> None:
         )
         cube = f"{off[step]:8.2f}" if name != "classic" else ""
         print(f"{name:14}{whole:9.0f}{engine:8.0f}{speed:13.1f}{ratio:16.1f}{cube}")
-    print(f"at 0.2 ms the cube gets {off[max(FINE)]:.2f} mm from its way at 0.1 ms")
+    print(f"at 0.2 ms the cube gets {off[max(FINE)]:.2f} mm from its path at 0.1 ms")
 
 
 if __name__ == "__main__":

@@ -38,7 +38,7 @@ PARTS: dict[str, tuple[tuple[type | Any, str], ...]] = {
     "law: new inertia": ((SpringDamperLaw, "refresh"), (JointInertia, "refresh")),
     "checks: whether a correction may be reused": ((LawStepper, "apply_at_check"),),
     "actuation": ((BodyStepper, "actuate"), (SimulationLoop, "_is_steady")),
-    "watch": (
+    "divergence monitor": (
         (BodyStepper, "measure"),
         (JointWork, "count_step"),
         (JointWork, "count"),
@@ -75,7 +75,7 @@ class Account:
 
 @contextmanager
 def taken_apart(account: Account) -> Iterator[None]:
-    """Let the parts of our loop tell their time."""
+    """Measure the time of every part of the loop."""
     made_pull, entered = BodyStepper._make_read_state, BulletWorld.__enter__
 
     def enter(world: BulletWorld) -> BulletWorld:
@@ -102,7 +102,7 @@ def _as_method(timed: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def parts(plan: Plan) -> tuple[float, Account]:
-    """Return the time of a step [us] without looking, and the account of the fastest round."""
+    """Return the time of a step [us] without measuring, and the account of the fastest round."""
     plain = min(_run(plan) for _ in range(ROUNDS))
     found: list[tuple[float, Account]] = []
     for _ in range(ROUNDS):

@@ -1,10 +1,10 @@
 """Several bodies' laws in one product: what it would save of a step, against one product each.
 
 Run by `make bench`. Fingers of ten joints stand side by side in the air, their corrections held, as
-in most steps of a calm run. One by one is the product's own way. Stacked, one state of all fingers
-is filled at once from what the engine tells of each, and multiplied either by a batch of matrices,
-or by a single one with those of the fingers along its diagonal. The engine's calls are the same:
-one reads and one writes each finger. Printed are medians over rounds in which the ways take turns,
+in most steps of a calm run. One by one is what the product does. Stacked, one state of all fingers
+is filled at once from what the engine returns, and multiplied either by a batch of matrices, or by
+a single one with those of the fingers along its diagonal. The engine's calls are the same: one
+reads and one writes each finger. Printed are medians over rounds in which the variants take turns,
 and what stacking would save of a step of our loop at most, were all fingers held in every step.
 """
 
@@ -122,14 +122,14 @@ def by_batch(laws: Sequence[ReusedCorrection], motion: Array) -> Callable[[], li
         state[:, first : first + n] for first in range(n + 2, 5 * n + 2, n)
     )
     read_angles, read_rates = motion.reshape(2, count, n)
-    rows, told, flat = state[:, np.newaxis], found[:, 0], found.reshape(-1)
+    rows, reported, flat = state[:, np.newaxis], found[:, 0], found.reshape(-1)
     share, eighth, matmul = state[:, 0], np.array(1 / 8), np.matmul
 
     def torques() -> list[float]:
         np.add(share, eighth, share)
         angles[:], rates[:] = read_angles, read_rates
         matmul(rows, matrices, found)
-        previous[:], applied[:] = read_rates, told
+        previous[:], applied[:] = read_rates, reported
         values: list[float] = flat.tolist()
         return values
 
@@ -152,40 +152,40 @@ def on_diagonal(laws: Sequence[ReusedCorrection], motion: Array) -> Callable[[],
     found, share = np.zeros(size), state[:1].data
     now, before = state[2 + size : 2 + 3 * size].data, state[2 + 3 * size : 2 + 4 * size].data
     applied, both, rates = state[2 + 4 * size :].data, motion.data, motion[size:].data
-    dot, told, tolist = state.dot, found.data, found.tolist
+    dot, reported, tolist = state.dot, found.data, found.tolist
 
     def torques() -> list[float]:
         share[0] += 0.125
         now[:] = both
         dot(matrix, found)
-        before[:], applied[:] = rates, told
+        before[:], applied[:] = rates, reported
         values: list[float] = tolist()
         return values
 
     return torques
 
 
-WAYS: dict[str, Callable[[BulletWorld, Sequence[BodyStepper]], Step]] = {
+VARIANTS: dict[str, Callable[[BulletWorld, Sequence[BodyStepper]], Step]] = {
     "one by one": one_by_one,
     "batch": stacked(by_batch),
     "diagonal": stacked(on_diagonal),
 }
 
 
-def microseconds(plan: Plan, way: str) -> float:
+def microseconds(plan: Plan, variant: str) -> float:
     """Time a step in which every finger's correction is held [us]; the engine's part included."""
     with begun(plan) as (world, body_steppers):
-        step = WAYS[way](world, body_steppers)
+        step = VARIANTS[variant](world, body_steppers)
         started = CLOCK()
         for _ in range(STEPS):
             step()
         return (CLOCK() - started) / STEPS * 1e6
 
 
-def way_of(plan: Plan, way: str) -> np.ndarray:
+def result_of(plan: Plan, variant: str) -> np.ndarray:
     """Return where the joints are after some held steps, of all fingers [rad]."""
     with begun(plan) as (world, body_steppers):
-        step = WAYS[way](world, body_steppers)
+        step = VARIANTS[variant](world, body_steppers)
         for _ in range(STEPS):
             step()
         return np.array([state[0] for body in world.bodies for state in body.joint_states()])
@@ -204,21 +204,24 @@ def main() -> None:
     arguments.add_argument("--rounds", type=int, default=9)
     rounds = arguments.parse_args().rounds
     print("fingers in the air, corrections held: a step in us, and what stacking saves of our step")
-    print(f"fingers  {''.join(f'{way:>12}' for way in WAYS)}    our step    saved: batch  diagonal")
+    names = "".join(f"{one:>12}" for one in VARIANTS)
+    print(f"fingers  {names}    our step    saved: batch  diagonal")
     for count in FINGERS:
         plan = plan_of_fingers(count)
-        ways = [way_of(plan, way) for way in WAYS]
-        assert all(np.allclose(ways[0], other, rtol=0, atol=1e-9) for other in ways[1:])
-        found: dict[str, list[float]] = {way: [] for way in WAYS}
+        results = [result_of(plan, variant) for variant in VARIANTS]
+        assert all(np.allclose(results[0], other, rtol=0, atol=1e-9) for other in results[1:])
+        found: dict[str, list[float]] = {variant: [] for variant in VARIANTS}
         whole = []
         for _ in range(rounds):
-            for way, times in found.items():
-                times.append(microseconds(plan, way))
+            for variant, times in found.items():
+                times.append(microseconds(plan, variant))
             whole.append(microseconds_of_ours(plan))
-        medians = {way: statistics.median(times) for way, times in found.items()}
+        medians = {variant: statistics.median(times) for variant, times in found.items()}
         ours = statistics.median(whole)
         cells = "".join(f"{one:12.1f}" for one in medians.values())
-        shares = [(medians["one by one"] - medians[way]) / ours for way in ("batch", "diagonal")]
+        shares = [
+            (medians["one by one"] - medians[variant]) / ours for variant in ("batch", "diagonal")
+        ]
         print(f"{count:7d}  {cells}{ours:12.1f}{shares[0]:16.1%}{shares[1]:10.1%}", flush=True)
 
 

@@ -3,7 +3,7 @@
 Run by `make bench`. Beside the clock's time stands the processor's, which a busy machine disturbs
 less. What Python compiles is kept from a first run, as it is where somo is installed. What a
 command imports is held by tests/test_imports.py; which imports take how long,
-`python -X importtime -m somo_cli ...` tells.
+`python -X importtime -m somo_cli ...` prints.
 """
 
 from __future__ import annotations

@@ -42,11 +42,11 @@ def show(case: Case, laws: Sequence[Candidate]) -> list[Line]:
 def _others(case: Case, figure: float) -> list[str]:
     coarse = trial(case, EXPLICIT_STEP, EXPLICIT).figure
     error = "fails" if math.isnan(coarse) else f"{abs(coarse / figure - 1):.1e}"
-    told = [f"  explicit at {1e3 * EXPLICIT_STEP:g} ms: {error}"]
+    reported = [f"  explicit at {1e3 * EXPLICIT_STEP:g} ms: {error}"]
     if not case.is_slow:
         apart = " and ".join(f"{one:.1e}" for one in second_opinion.apart(case, figure))
-        told.append(f"  MuJoCo at 40 and 20 us: {apart} from it")
-    return told
+        reported.append(f"  MuJoCo at 40 and 20 us: {apart} from it")
+    return reported
 
 
 def shaking() -> None:
@@ -61,7 +61,7 @@ def shaking() -> None:
 
 
 def too_large() -> None:
-    """Print what becomes of fast blows at steps beyond the ladder, and what a run says of it."""
+    """Print how fast impacts end at steps beyond the ladder, and what a run reports of them."""
     print("\nat too large steps: relative error, and what the run says")
     for name in ("wall struck, fast", "block struck, fast", "cube of 100 g, 2 fingers"):
         case = named(name)

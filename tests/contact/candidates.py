@@ -1,7 +1,7 @@
-"""What could be done about the blow that a measured force holds after an impact: candidate laws.
+"""What could be done about the impulse that a measured force holds after an impact: candidate laws.
 
 All but the first are the product's law with another measured force. The whole force can be
-filtered, or only the part that is not gravity and Coriolis forces, which inverse dynamics tells.
+filtered, or only the part that is not gravity and Coriolis forces, which inverse dynamics gives.
 """
 
 from __future__ import annotations
@@ -21,7 +21,9 @@ from somo_cli.simulation.integrator.law_stepper import LawStepper
 from somo_cli.simulation.plan.joint_springs import JointSprings
 
 MEAN_WEIGHT = 0.3  # of the newest in a running mean
-BLOW = 0.02  # rad/s: what a change of the force must do to a joint in a step to count as a blow
+IMPACT = (
+    0.02  # rad/s: what a change of the force must do to a joint in a step to count as an impact
+)
 CAP = 0.01  # rad: a change of the force is cut to what turns a joint's spring by this much
 
 
@@ -89,7 +91,7 @@ class Dropped(FilteredLaw):
         """Return what is made of the last three forces."""
         new, old, _ = self.history
         jump = np.abs(self.response @ (new - old)).max() * self.time_step
-        self.was_dropped = bool(jump > BLOW) and not self.was_dropped
+        self.was_dropped = bool(jump > IMPACT) and not self.was_dropped
         return old if self.was_dropped else new
 
 

@@ -86,7 +86,7 @@ def mean_of_last(column: str, share: float) -> Callable[[Table], float]:
 
 
 def impulse(column: str) -> Callable[[Table], float]:
-    """Return the figure that is a force summed over the run [N s]; a blow has no other size."""
+    """Return the figure that is a force summed over the run [N s]; an impact has no other size."""
 
     def figure(table: Table) -> float:
         step = table["time_s"][1] - table["time_s"][0]
@@ -118,7 +118,7 @@ def block_struck(speed: str, torque: float) -> Case:
     block = box("block", [0.04, 0.04, 0.04], [0, face - 0.02, REACH], mass=0.02, friction=0)
     return Case(
         f"block struck, {speed}",
-        "way of the block [m]",
+        "path of the block [m]",
         case_scene([finger("finger", torque)], [block], gravity=[0, 0, 0]),
         0.3,
         at_end("block.pose.y_m"),

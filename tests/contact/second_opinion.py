@@ -22,7 +22,7 @@ from tests.contact.cases import Case
 STEP = 2e-5  # s
 STIFF = (1e-4, 1.0)  # s, damping ratio: how fast a penetration recovers
 HARD = (0.99, 0.999, 1e-4, 0.5, 2.0)  # impedance at no penetration and at 0.1 mm
-MANIPULATOR, THING = 1, 2  # bits of collision: manipulators touch objects only
+MANIPULATOR, OBJECT = 1, 2  # bits of collision: manipulators touch objects only
 FLOATING = (
     '<link name="world"/><joint name="floating" type="floating">'
     '<parent link="world"/><child link="base"/></joint>'
@@ -51,8 +51,8 @@ def model_of(scene: Scene, step: float) -> mujoco.MjModel:
         spec.worldbody.add_geom(
             name="ground", type=mujoco.mjtGeom.mjGEOM_BOX, size=[50, 50, 0.5], pos=low
         )
-    for thing in scene.objects:
-        _add(spec, thing)
+    for one_object in scene.objects:
+        _add(spec, one_object)
     model = spec.compile()
     model.opt.timestep = step
     model.opt.gravity[:] = scene.gravity
@@ -83,18 +83,18 @@ def _wxyz(rotation: geometry.Matrix) -> list[float]:
     return [w, x, y, z]
 
 
-def _add(spec: mujoco.MjSpec, thing: RigidObject) -> None:
-    (shape,) = thing.chain.links[0].shapes
+def _add(spec: mujoco.MjSpec, one_object: RigidObject) -> None:
+    (shape,) = one_object.chain.links[0].shapes
     body = spec.worldbody.add_body(
-        name=thing.name,
-        pos=thing.position,
-        quat=_wxyz(geometry.rotation_from_rpy(thing.rpy)),
+        name=one_object.name,
+        pos=one_object.position,
+        quat=_wxyz(geometry.rotation_from_rpy(one_object.rpy)),
     )
-    if not thing.is_fixed:
+    if not one_object.is_fixed:
         body.add_freejoint()
     size = [half / 2 for half in shape.solid.size]  # boxes are all that the bench has
-    mass = thing.chain.links[0].inertial.mass
-    body.add_geom(name=thing.name, type=mujoco.mjtGeom.mjGEOM_BOX, size=size, mass=mass)
+    mass = one_object.chain.links[0].inertial.mass
+    body.add_geom(name=one_object.name, type=mujoco.mjtGeom.mjGEOM_BOX, size=size, mass=mass)
 
 
 def _set_springs(model: mujoco.MjModel, one: Manipulator) -> None:
@@ -110,30 +110,30 @@ def _set_springs(model: mujoco.MjModel, one: Manipulator) -> None:
 
 def _set_contact(model: mujoco.MjModel, scene: Scene) -> None:
     own = scene.manipulators[0].surfaces.links.friction
-    surfaces = {thing.name: thing.surface.friction for thing in scene.objects}
+    surfaces = {one_object.name: one_object.surface.friction for one_object in scene.objects}
     if scene.ground is not None:
         surfaces["ground"] = scene.ground.surface.friction
     order = sorted(set(surfaces.values()), reverse=True)
     for index in range(model.ngeom):
         name = model.geom(index).name
-        is_thing = name in surfaces
-        friction = own * surfaces[name] if is_thing else 0.0
+        is_object = name in surfaces
+        friction = own * surfaces[name] if is_object else 0.0
         model.geom_friction[index] = (max(friction, 1e-5), 0, 0)
-        model.geom_priority[index] = 1 + order.index(surfaces[name]) if is_thing else 0
+        model.geom_priority[index] = 1 + order.index(surfaces[name]) if is_object else 0
         model.geom_solref[index] = STIFF
         model.geom_solimp[index] = HARD
         model.geom_condim[index] = 3
-        model.geom_contype[index] = THING if is_thing else MANIPULATOR
-        model.geom_conaffinity[index] = (THING | MANIPULATOR) if is_thing else 0
+        model.geom_contype[index] = OBJECT if is_object else MANIPULATOR
+        model.geom_conaffinity[index] = (OBJECT | MANIPULATOR) if is_object else 0
 
 
 def _columns(case: Case, scene: Scene, model: mujoco.MjModel) -> dict[str, np.ndarray]:
     """Run, and return what columns of ours the figures need."""
     state = mujoco.MjData(model)
-    for thing in scene.objects:
-        if not thing.is_fixed:
-            at = model.jnt_dofadr[model.body(thing.name).jntadr[0]]
-            state.qvel[at : at + 3] = thing.linear_velocity
+    for one_object in scene.objects:
+        if not one_object.is_fixed:
+            at = model.jnt_dofadr[model.body(one_object.name).jntadr[0]]
+            state.qvel[at : at + 3] = one_object.linear_velocity
     drives = [
         (entry.profile.signal(), _dofs(model, one, entry))
         for one in scene.manipulators
@@ -141,13 +141,13 @@ def _columns(case: Case, scene: Scene, model: mujoco.MjModel) -> dict[str, np.nd
     ]
     table: dict[str, list[float]] = {"time_s": []}
     first = scene.manipulators[0].name
-    watched = {thing.name for thing in scene.objects if not thing.is_fixed}
+    monitored = {one_object.name for one_object in scene.objects if not one_object.is_fixed}
     steps = round(case.seconds / model.opt.timestep)
     for number in range(steps + 1):
         for signal, dofs in drives:
             state.qfrc_applied[dofs] = signal.at((number + 0.5) * model.opt.timestep)
         table["time_s"].append(number * model.opt.timestep)
-        for name in watched:
+        for name in monitored:
             for axis, value in zip("xyz", state.body(name).xpos, strict=True):
                 table.setdefault(f"{name}.pose.{axis}_m", []).append(float(value))
         mujoco.mj_step(model, state)

@@ -69,8 +69,8 @@ def worst(lines: Sequence[Line]) -> Iterator[str]:
             # an error below what is known of the truth is none
             beyond = [_beyond(line, index) for line in own]
             errors += f"{_error(max(beyond, key=lambda one: math.inf if one != one else one)):>11}"
-        told = f"{1e3 * largest:g} ms" if largest else "-"
-        yield f"  {name:20}{told:>8}{errors}"
+        reported = f"{1e3 * largest:g} ms" if largest else "-"
+        yield f"  {name:20}{reported:>8}{errors}"
 
 
 def _beyond(line: Line, index: int) -> float:

@@ -19,7 +19,7 @@ from somo_cli.simulation.plan.build import make_plan
 from tests.contact.candidates import EXPLICIT, PLAIN, Candidate
 from tests.contact.cases import Case, Table, named
 
-BLOCK = 0.02  # s: motion within it is no growth of energy: a blow stirs what is sampled
+BLOCK = 0.02  # s: motion within it is no growth of energy: an impact disturbs what is sampled
 
 
 @dataclass(frozen=True, slots=True)

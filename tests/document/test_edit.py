@@ -182,6 +182,6 @@ def test_a_wrong_assignment_is_refused_at_its_place(
     assert refusal(document, assignment) == (Problem(span, message, hint),)
 
 
-def test_every_fault_of_a_value_is_reported(document: Document) -> None:
+def test_every_problem_of_a_value_is_reported(document: Document) -> None:
     problems = refusal(document, "name=[017, .nan]")
     assert [(problem.span.column, problem.span.width) for problem in problems] == [(7, 3), (12, 4)]

@@ -85,7 +85,7 @@ def test_a_file_that_holds_no_mapping_is_not_put_in(text: str, found: str) -> No
     assert unresolved_references(included, PLACES) == [("base",)]
 
 
-def test_what_is_not_at_fault_is_put_in() -> None:
+def test_valid_files_are_included_beside_invalid_ones() -> None:
     document = parse("parts: [a.yaml, none.yaml, {}]\nbase: b.yaml", "f.yaml")
     included, problems = include(document, PLACES, opener({"a.yaml": "x: 1", "b.yaml": "y: 2"}))
     assert len(problems) == 1
@@ -100,7 +100,7 @@ def test_one_file_may_be_named_twice() -> None:
     assert document.span(("parts", 0, "link")) == document.span(("parts", 1, "link"))
 
 
-def test_every_fault_of_every_file_is_reported() -> None:
+def test_every_problem_of_every_file_is_reported() -> None:
     text = "parts:\n- none.yaml\n- bad.yaml\n- /etc/x\n- good.yaml\nbase: worse.yaml\n"
     files = {
         "bad.yaml": "a: 017\nb: .nan\n",

@@ -144,7 +144,7 @@ def test_every_duplicate_key_is_found() -> None:
     ]
 
 
-def test_all_faults_are_reported_at_once_in_reading_order() -> None:
+def test_all_problems_are_reported_at_once_in_reading_order() -> None:
     text = (
         "a: 017\n"
         "b: [1, .nan, 2]\n"
@@ -233,7 +233,7 @@ def test_the_marks_of_one_document_are_fine(text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "fault"),
+    ("text", "expected_problem"),
     [
         ("a:\t1\n", (1, 3, "a tab cannot stand here", "use spaces")),
         ("a:\n\tb: 1\n", (2, 1, "a tab cannot stand here", "use spaces")),
@@ -276,10 +276,12 @@ def test_the_marks_of_one_document_are_fine(text: str) -> None:
         ('a: "\\q"\n', (1, 6, "found unknown escape character 'q'", None)),
     ],
 )
-def test_a_syntax_fault_has_its_place(text: str, fault: tuple[int, int, str, str | None]) -> None:
+def test_a_syntax_error_has_its_position(
+    text: str, expected_problem: tuple[int, int, str, str | None]
+) -> None:
     [(line, column, message, hint)] = faults_of(text)
-    assert (line, column, message) == fault[:3]
-    assert fault[3] is None or hint == fault[3]
+    assert (line, column, message) == expected_problem[:3]
+    assert expected_problem[3] is None or hint == expected_problem[3]
 
 
 def test_control_characters_are_refused_with_their_place() -> None:

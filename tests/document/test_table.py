@@ -73,12 +73,12 @@ def test_every_cell_has_its_place() -> None:
 
 
 @pytest.mark.parametrize("text", ["", "\n", "\ufeff", " \r\n\n", "# nothing\n"])
-def test_an_empty_file_is_a_fault(text: str) -> None:
+def test_an_empty_file_is_a_problem(text: str) -> None:
     assert refusal(text) == [Problem(at(1, 1), "the file is empty")]
 
 
 @pytest.mark.parametrize("text", [" t,x", "# c\n t,x\n\n \n"])
-def test_a_header_alone_is_a_fault(text: str) -> None:
+def test_a_header_alone_is_a_problem(text: str) -> None:
     line = 2 if "#" in text else 1
     assert refusal(text) == [Problem(at(line, 2, 3), "no row follows the header")]
 
@@ -87,12 +87,12 @@ def test_a_header_alone_is_a_fault(text: str) -> None:
     ("text", "column", "found"),
     [("t;x\n0,1;1\n", 2, "';'"), (" t \tx\n0\t1\n", 4, "a tab"), ("t ;\tx\n0\n", 3, "';'")],
 )
-def test_another_separator_is_the_one_fault(text: str, column: int, found: str) -> None:
+def test_another_separator_is_one_problem(text: str, column: int, found: str) -> None:
     hint = "numbers have a point, as in 0.5,1.2"
     assert refusal(text) == [Problem(at(1, column), COMMAS + found, hint)]
 
 
-def test_numbers_in_place_of_names_are_a_fault() -> None:
+def test_numbers_in_place_of_names_are_a_problem() -> None:
     hint = "name the columns in the first line that does not start with '#'"
     assert refusal("# t,x\n0,1\n1,2\n") == [Problem(at(2, 1, 3), "the columns have no names", hint)]
 
@@ -109,7 +109,7 @@ def test_a_column_needs_a_name_of_its_own() -> None:
     ]
 
 
-def test_every_fault_of_every_row_is_reported() -> None:
+def test_every_problem_of_every_row_is_reported() -> None:
     text = "t,x\n0,1\n 1 \n2,3,4,\n\na b, \nnan,-Infinity\n1e999,1_0\n\u0661,0x1\n# c,1\n"
     assert refusal(text) == [
         Problem(at(3, 2), "1 cell, but the header names 2 columns"),
@@ -142,7 +142,7 @@ def test_decimal_commas_are_guessed_when_every_row_is_too_wide() -> None:
     ]
 
 
-def test_faults_of_header_and_rows_come_together() -> None:
+def test_problems_of_header_and_rows_come_together() -> None:
     assert [problem.span for problem in refusal("x,x\n1\na,2\n")] == [
         at(1, 3),
         at(2, 1),
@@ -151,7 +151,7 @@ def test_faults_of_header_and_rows_come_together() -> None:
 
 
 @pytest.mark.parametrize("row", ["a,b\n", "1\n", "a,1\n", ",,\n"])
-def test_there_is_an_end_to_the_faults(row: str) -> None:
+def test_the_number_of_reported_problems_is_limited(row: str) -> None:
     problems = refusal("x,y\n" + row * 100)
     assert len(problems) == MAX_PROBLEMS == 20
     assert len(refusal("," * 30 + "x\n" + row * 100)) == MAX_PROBLEMS

@@ -128,7 +128,7 @@ def problems_in(document: Document, schema: str) -> list[Problem]:
 
 
 @pytest.fixture
-def judge(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., Any]]:
+def check(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., Any]]:
     for name, schema in SCHEMAS.items():
         (tmp_path / f"{name}.schema.json").write_text(json.dumps(schema), "utf-8")
     monkeypatch.setattr(schemas, "FOLDERS", (tmp_path / "none", tmp_path))
@@ -136,12 +136,12 @@ def judge(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[
     for cache in caches:
         cache.cache_clear()
 
-    def judged(text: str | Document, schema: str = "body") -> list[tuple[int, int, str, str]]:
+    def checked(text: str | Document, schema: str = "body") -> list[tuple[int, int, str, str]]:
         document = parse(text, "f") if isinstance(text, str) else text
         problems = problems_in(document, schema)
         return [(p.span.line, p.span.column, p.message, p.hint) for p in problems]
 
-    yield judged
+    yield checked
     for cache in caches:
         cache.cache_clear()
 
@@ -229,13 +229,13 @@ def judge(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[
         ("patterned: {y1: 1}", [(1, 13, "unknown key 'y1'", "known keys: none")]),
     ],
 )
-def test_a_fault_of_shape(
-    judge: Callable[..., Any], text: str, expected: list[tuple[int, int, str, str]]
+def test_a_problem_of_the_schema(
+    check: Callable[..., Any], text: str, expected: list[tuple[int, int, str, str]]
 ) -> None:
-    assert judge(text) == expected
+    assert check(text) == expected
 
 
-def test_all_faults_are_reported_at_once_in_reading_order(judge: Callable[..., Any]) -> None:
+def test_all_problems_are_reported_at_once_in_reading_order(check: Callable[..., Any]) -> None:
     text = """\
 n: 0
 links:
@@ -252,7 +252,7 @@ base:
   mass: 1
 """
     mass, size = "mass of the link [kg], e.g. 0.1", "[x, y, z] [m]"
-    assert judge(text) == [
+    assert check(text) == [
         (1, 4, "0 must be at least 1", "number of links"),
         (3, 10, "'bx' is not one of 'box', 'cylinder', 'sphere'", "did you mean 'box'?"),
         (4, 3, "unknown key 'mas'", "did you mean 'mass'?"),
@@ -269,20 +269,20 @@ base:
     ]
 
 
-def test_schemas_refer_to_each_other(judge: Callable[..., Any]) -> None:
+def test_schemas_refer_to_each_other(check: Callable[..., Any]) -> None:
     text = "bodies:\n- n: 0\n- links: [{shape: box, mass: 0}]\nspare: {shape: box}\n"
-    assert judge(text, "world") == [
+    assert check(text, "world") == [
         (2, 6, "0 must be at least 1", "number of links"),
         (3, 30, "0 must be greater than 0", "mass of the link [kg], e.g. 0.1"),
         (4, 1, "missing key 'mass'", "mass of the link [kg], e.g. 0.1"),
     ]
-    assert judge("bodies:\n- n: 2.0\n", "world") == [
+    assert check("bodies:\n- n: 2.0\n", "world") == [
         (2, 6, "expected a whole number, found 2.0", "write 2")
     ]
-    assert judge("{}", "world") == [(1, 1, "missing key 'bodies'", "")]
+    assert check("{}", "world") == [(1, 1, "missing key 'bodies'", "")]
 
 
-def test_a_fault_of_an_embedded_file_is_placed_in_it(judge: Callable[..., Any]) -> None:
+def test_a_problem_of_an_embedded_file_has_its_position_there(check: Callable[..., Any]) -> None:
     whole = embed_all(
         parse("base: part\n", "f"), {("base",): parse("\nmass: 0\ncolor: 1\n", "part")}
     )
@@ -290,7 +290,7 @@ def test_a_fault_of_an_embedded_file_is_placed_in_it(judge: Callable[..., Any]) 
     assert places == [("part", 1, 1), ("part", 2, 7), ("part", 3, 1)]
 
 
-def test_a_fault_of_an_override_is_placed_in_it(judge: Callable[..., Any]) -> None:
+def test_a_problem_of_an_override_has_its_position_there(check: Callable[..., Any]) -> None:
     document = parse("n: 0\nbase: {shape: box, mass: 1}\n", "f")
     for assignment in ("base.mass=-1", "nn=2", "axis=[1, 2]"):
         document = override(document, assignment)
@@ -303,11 +303,11 @@ def test_a_fault_of_an_override_is_placed_in_it(judge: Callable[..., Any]) -> No
     ]
 
 
-def test_soundness_of_pointers(judge: Callable[..., Any]) -> None:
+def test_soundness_of_pointers(check: Callable[..., Any]) -> None:
     document = parse("n: 0\nlinks: [{shape: box}, {shape: box, mass: 1}]\n", "f")
-    faults = schema_problems(document, "body")
-    assert [fault.pointer for fault in faults] == [("n",), ("links", 0, "mass")]
-    is_sound = soundness_test(faults)
+    found = schema_problems(document, "body")
+    assert [problem.pointer for problem in found] == [("n",), ("links", 0, "mass")]
+    is_sound = soundness_test(found)
     assert not is_sound(())
     assert not is_sound(("n",))
     assert not is_sound(("links",))
@@ -317,19 +317,19 @@ def test_soundness_of_pointers(judge: Callable[..., Any]) -> None:
     assert soundness_test(())(())
 
 
-def test_a_long_value_is_cut_in_the_message(judge: Callable[..., Any]) -> None:
-    [(_, _, message, _)] = judge(f"n: {'x' * 10_000}")
+def test_a_long_value_is_cut_in_the_message(check: Callable[..., Any]) -> None:
+    [(_, _, message, _)] = check(f"n: {'x' * 10_000}")
     assert len(message) < 120
 
 
-def test_thousands_of_faults_take_seconds_at_most(judge: Callable[..., Any]) -> None:
+def test_thousands_of_problems_take_seconds_at_most(check: Callable[..., Any]) -> None:
     text = "links:\n" + "- {shape: bx, mas: 1}\n" * 1_000
     start = time.process_time()
-    assert len(judge(text)) == 2_000
+    assert len(check(text)) == 2_000
     assert time.process_time() - start < 60
 
 
-def test_an_unknown_schema_is_our_fault(judge: Callable[..., Any]) -> None:
+def test_an_unknown_schema_is_an_error_of_the_program(check: Callable[..., Any]) -> None:
     with pytest.raises(FileNotFoundError, match="no schema named 'nonsense'"):
         load_schema("nonsense")
 

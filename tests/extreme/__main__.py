@@ -52,7 +52,7 @@ def main() -> int:
 
 
 def _hush() -> None:
-    """Drop what the engine has to say: the matrix tells what it refused."""
+    """Drop the messages of the engine: the matrix has what it refused."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
 
 

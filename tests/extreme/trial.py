@@ -66,7 +66,7 @@ class Outcome:
 
 
 def outcome(case: Case, integrator: Integrator) -> Outcome:
-    """Run a case and judge it."""
+    """Run a case and rate it."""
     steps = case.steps
     plan = case.plan(integrator, case.time_step, max(1, steps // ROWS))
     blocks: list[Array] = []
@@ -101,13 +101,13 @@ def _is_too_fast(case: Case, steps: int) -> bool:
     plan = dataclasses.replace(plan, columns=("joint_rates",))
     fastest = 0.0
 
-    def look(block: Array) -> None:
+    def sample(block: Array) -> None:
         nonlocal fastest
         fastest = max(fastest, float(np.abs(block[:, 1:]).max()))
 
     try:
         with BulletWorld(plan) as world:
-            run.run(plan, world, look, (steps + 1) * FINER, lambda: 0.0)
+            run.run(plan, world, sample, (steps + 1) * FINER, lambda: 0.0)
     except SimulationDiverged:
         pass
     return fastest * case.time_step > TOO_FAST

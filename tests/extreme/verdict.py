@@ -1,4 +1,4 @@
-"""All that is known of one case, and the one line of the matrix that tells it."""
+"""All that is known of one case, and its line of the matrix."""
 
 from __future__ import annotations
 

@@ -88,8 +88,8 @@ class Grasp:
             "actuation": [{"actuators": "all", "axis": 0, "waypoints": self._torque(number)}],
         }
         if self.task in ("lifted", "released", "sliding", "handed over"):
-            way = 0.01 if self.task == "sliding" else 0.05
-            data["motion"] = {"translation": [[0.9, 0, 0, 0], [1.4, 0, 0, way]]}
+            path = 0.01 if self.task == "sliding" else 0.05
+            data["motion"] = {"translation": [[0.9, 0, 0, 0], [1.4, 0, 0, path]]}
         return data
 
     def _torque(self, number: int) -> list[list[float]]:

@@ -13,7 +13,7 @@ ONE = manipulator(actuator(4, X, Y), base_definition=BOX, tip_definition=SPHERE)
 TWO = manipulator(actuator(2, Z), actuator(3, X))
 
 
-def test_an_assembly_is_told_by_its_keys() -> None:
+def test_an_assembly_is_recognised_by_its_keys() -> None:
     assert assembly.is_assembly(assembly_of())
     assert assembly.is_assembly({"limbs": []})
     assert not assembly.is_assembly(ONE)

@@ -46,7 +46,7 @@ def test_a_line_about_it() -> None:
     )
 
 
-def test_all_errors_at_once_of_shape_and_of_meaning() -> None:
+def test_errors_of_schema_and_of_checks_come_together() -> None:
     data = manipulator(
         actuator(3, hinge(0, 0, 0), link={**BOX, "mass": -1}), n_act=2, manipulator_nam="x"
     )
@@ -72,7 +72,7 @@ def test_warnings_do_not_stop_it() -> None:
     assert tuple(found.warnings) == document_problems(document)
 
 
-def test_a_sound_document_has_no_faults() -> None:
+def test_a_valid_document_has_no_problems() -> None:
     assert document_problems(document_of(EVERYTHING)) == ()
 
 

@@ -57,15 +57,15 @@ class Part:
 
 
 def test_every_quantity_scales_by_its_dimension() -> None:
-    thing = RigidObject(
+    value = RigidObject(
         "a", 2, 3.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, (1.0, 2.0, 3.0), (1.0, 2.0), 1.0, None,
         Part(1.0, 7.0),
     )  # fmt: skip
-    assert scaled(thing, Scale(length=20, mass=3)) == RigidObject(
+    assert scaled(value, Scale(length=20, mass=3)) == RigidObject(
         "a", 2, 3.0, 20.0, 3.0, 1200.0, 1200.0, 1.0, 20.0, (20.0, 40.0, 60.0), (20.0, 40.0), 20.0,
         None, Part(1200.0, 7.0),
     )  # fmt: skip
-    other = dataclasses.replace(thing, choice=None, tensor=(1.0,) * 6, part=None)
+    other = dataclasses.replace(value, choice=None, tensor=(1.0,) * 6, part=None)
     found = scaled(other, Scale(10))
     assert (found.choice, found.tensor, found.part) == (None, (100.0,) * 6, None)
 
@@ -120,21 +120,21 @@ class Nested:
     parts: tuple[Bare, ...]
 
 
-@pytest.mark.parametrize("thing", [Bare(1.0), Nested((Bare(1.0),)), Nested(())])
-def test_a_bare_float_is_refused(thing: object) -> None:
+@pytest.mark.parametrize("value", [Bare(1.0), Nested((Bare(1.0),)), Nested(())])
+def test_a_bare_float_is_refused(value: object) -> None:
     with pytest.raises(TypeError, match="carries no dimension"):
-        scaled(thing, Scale(2))
+        scaled(value, Scale(2))
 
 
-def numbers(thing: object) -> list[float]:
+def numbers(value: object) -> list[float]:
     """Return every float in a value, in a fixed order."""
-    if isinstance(thing, float):
-        return [thing]
-    if isinstance(thing, tuple):
-        return [number for item in thing for number in numbers(item)]
-    if dataclasses.is_dataclass(thing):
-        fields = dataclasses.fields(thing)
-        return [number for field in fields for number in numbers(getattr(thing, field.name))]
+    if isinstance(value, float):
+        return [value]
+    if isinstance(value, tuple):
+        return [number for item in value for number in numbers(item)]
+    if dataclasses.is_dataclass(value):
+        fields = dataclasses.fields(value)
+        return [number for field in fields for number in numbers(getattr(value, field.name))]
     return []
 
 

@@ -66,7 +66,7 @@ def frames_of_bullet(chain: Chain, angles: Sequence[float]) -> list[tuple[np.nda
     return found
 
 
-# the engine tells frames in single precision
+# the engine returns frames in single precision
 READERS = [(frames_of_ours, 1e-9), (frames_of_yourdfpy, 1e-9), (frames_of_bullet, 1e-6)]
 
 

@@ -74,7 +74,7 @@ def inertia_of(ixx: float, iyy: float, izz: float) -> str:
     )
 
 
-def test_an_impossible_inertia_is_told_with_its_numbers() -> None:
+def test_an_impossible_inertia_is_reported_with_its_numbers() -> None:
     text = inertia_of(0.1, 0.1, 0.21)
     sets = (f"objects[0].urdf={{source: r.urdf, text: '{text}'}}",)
     (problem,) = problems("right.yaml", *sets)
@@ -106,7 +106,7 @@ def test_every_named_part_is_convex_by_itself(name: str) -> None:
     assert found["ball.pose.z_m"][-1] == pytest.approx(0.3, abs=1e-3)
 
 
-def test_one_hull_around_all_parts_is_had_for_the_asking_and_told() -> None:
+def test_one_hull_around_all_parts_is_used_on_request_and_reported() -> None:
     (warning,) = problems("trough_mesh.yaml", "objects[0].hulls=one")
     assert "touched as its convex hull, which has 257 % more volume" in warning.message
     found = columns_of(scene("trough_mesh.yaml", "objects[0].hulls=one"), 1500)

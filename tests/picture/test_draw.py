@@ -50,9 +50,9 @@ def recording(name: str, time: float) -> RecordedMotion:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_everything_that_can_be_seen_is_in_the_picture_and_nothing_at_its_edge(name: str) -> None:
-    told = recording(name, 0.05)
-    parts = parts_of(told.scene)
-    poses = poses_at(told.scene, parts, told.at(0.05))
+    motion = recording(name, 0.05)
+    parts = parts_of(motion.scene)
+    poses = poses_at(motion.scene, parts, motion.at(0.05))
     camera = framing(framed_points(parts, poses), VIEWS["oblique"], (640, 480))
     with TinyRenderer(parts, 1.0) as renderer:
         renderer.place(poses)
@@ -68,19 +68,19 @@ def test_everything_that_can_be_seen_is_in_the_picture_and_nothing_at_its_edge(n
 
 @pytest.mark.slow
 def test_a_picture_of_a_moment_is_the_same_every_time_and_not_that_of_another() -> None:
-    told = recording("lift_scene.yaml", 0.5)
-    look = PictureSettings(VIEWS["oblique"], SMALL)
-    first, again = next(pictures(told, [0.5], look)), next(pictures(told, [0.5], look))
+    motion = recording("lift_scene.yaml", 0.5)
+    settings = PictureSettings(VIEWS["oblique"], SMALL)
+    first, again = next(pictures(motion, [0.5], settings)), next(pictures(motion, [0.5], settings))
     assert first.shape == (120, 160, 3)
     assert first.dtype == np.uint8
     assert np.array_equal(first, again)
-    assert not np.array_equal(first, next(pictures(told, [0.0], look)))
+    assert not np.array_equal(first, next(pictures(motion, [0.0], settings)))
 
 
 @pytest.mark.slow
 def test_one_camera_takes_all_pictures_of_a_film() -> None:
-    told = recording("lift_scene.yaml", 1.2)
-    first, last = pictures(told, [0.0, 1.2], PictureSettings(VIEWS["oblique"], SMALL))
+    motion = recording("lift_scene.yaml", 1.2)
+    first, last = pictures(motion, [0.0, 1.2], PictureSettings(VIEWS["oblique"], SMALL))
     # the corner of the ground nearest to the camera has nothing on it, and does not move
     assert np.array_equal(first[-20:, -20:], last[-20:, -20:])
     assert not np.array_equal(first, last)
@@ -88,23 +88,23 @@ def test_one_camera_takes_all_pictures_of_a_film() -> None:
 
 def test_a_body_throws_its_shadow_away_from_the_light() -> None:
     scene = scene_from_text(BALL)
-    told = RecordedMotion(scene_to_draw(scene), _still(scene.manipulators[0].compiled.chain))
+    motion = RecordedMotion(scene_to_draw(scene), _still(scene.manipulators[0].compiled.chain))
     parts = parts_of(scene)
-    poses = poses_at(scene, parts, told.at(0.0))
+    poses = poses_at(scene, parts, motion.at(0.0))
     points = framed_points(parts, poses)
     everything = np.concatenate([points, [[0.2, 0.1, 0], [0.1, -0.02, 0.1]]])
     camera = framing(everything, VIEWS["top"], (400, 400))
     light = shadows.light_direction(camera)
     dark = _dark(camera, parts, poses, shadows.lamp(everything, light), light)
     ball = np.array([0.1, -0.02, 0.1])
-    way = ball[2] / light[2]
-    beneath = ball - way * light
+    distance = ball[2] / light[2]
+    beneath = ball - distance * light
     spots = {
         "beneath the ball, along the light": (beneath, 1.0),
         "to one side": (beneath + np.array([0.03, 0, 0]), 0.0),
         "straight below": ((0.1, -0.02, 0.0), 0.0),
     }
-    assert math.hypot(light[0], light[1]) * way > 0.025, "or the shadow lies straight below"
+    assert math.hypot(light[0], light[1]) * distance > 0.025, "or the shadow lies straight below"
     for what, (spot, wanted) in spots.items():
         column, row = _pixel(camera, np.array(spot), 400)
         assert dark[row, column] == wanted, what

@@ -39,7 +39,7 @@ def test_the_start_is_where_the_first_row_has_the_links(name: str) -> None:
         scene, columns=("link_positions",), object_quantities=("pose",), only=()
     )
     (row,) = rows_of(recorded, 0)
-    told = dict(zip(columns.header(make_plan(recorded).recorded), row, strict=True))
+    reported = dict(zip(columns.header(make_plan(recorded).recorded), row, strict=True))
     parts = parts_of(scene)
     for part, pose in zip(parts, poses_at(scene, parts, start_configuration(scene)), strict=True):
         if part.body < len(scene.manipulators):
@@ -47,7 +47,7 @@ def test_the_start_is_where_the_first_row_has_the_links(name: str) -> None:
             owner = f"{one.name}.{one.compiled.chain.links[part.link].name}"
         else:
             owner = f"{scene.objects[part.body - len(scene.manipulators)].name}.pose"
-        link = [told[f"{owner}.{axis}_m"] for axis in "xyz"]
+        link = [reported[f"{owner}.{axis}_m"] for axis in "xyz"]
         # the part may stand off from its link, in whatever direction that is turned
         off = np.linalg.norm(np.array(pose.position) - link)
         assert off == pytest.approx(np.linalg.norm(part.pose.position), abs=1e-9)
@@ -67,8 +67,8 @@ def test_a_fixed_object_is_drawn_and_not_framed() -> None:
 def test_framed_points_are_the_corners_of_what_is_framed() -> None:
     scene = scene_from_file("push_scene.yaml")
     parts = parts_of(scene)[-1:]
-    (thing,) = scene.objects
-    (shape,) = thing.chain.links[0].shapes
+    (one_object,) = scene.objects
+    (shape,) = one_object.chain.links[0].shapes
     assert isinstance(shape.solid, Box)
     points = framed_points(parts, poses_at(scene, parts, start_configuration(scene)))
     middle = start_configuration(scene).objects[0].position

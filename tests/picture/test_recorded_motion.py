@@ -1,4 +1,4 @@
-"""Moments between rows, and what rows must tell."""
+"""Motion between rows, and the columns that rows must have."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def test_what_a_picture_needs_is_what_the_scene_for_it_records() -> None:
         names = columns.header(make_plan(scene_to_draw(scene)).recorded)
         wanted = RecordedMotion(scene, {}).required_columns()
         assert set(wanted) <= set(names)
-        # base_pose of what does not move, and of what is moved, is told and not needed
+        # base_pose of what does not move, and of what is moved, is recorded and not needed
         assert all(".base_pose." in name for name in set(names[1:]) - set(wanted))
 
 
@@ -108,12 +108,12 @@ def test_a_simulated_motion_is_interpolated_to_second_order() -> None:
 
     def off(stride: int) -> float:
         kept = dict(zip(names, zip(*rows[::stride], strict=True), strict=True))
-        told = RecordedMotion(scene, kept)
+        motion = RecordedMotion(scene, kept)
         return max(
             float(np.abs(np.subtract(one.position, other.position)).max())
             for time in (0.1201, 0.2005, 0.29, 0.3711)
             for one, other in zip(
-                poses_at(scene, parts, told.at(time)),
+                poses_at(scene, parts, motion.at(time)),
                 poses_at(scene, parts, whole.at(time)),
                 strict=True,
             )

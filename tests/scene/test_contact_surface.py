@@ -45,7 +45,7 @@ def test_parts_of_a_manipulator_change_what_they_name() -> None:
     assert (ends[3].friction, ends[3].restitution) == (0.4, 0.0)
 
 
-def test_a_lever_arm_is_a_length_and_a_stiffness_is_not_one_of_a_joint() -> None:
+def test_a_moment_arm_is_a_length_and_a_contact_stiffness_is_no_joint_stiffness() -> None:
     assert scaled(WHOLE, Scale(20, 3)) == ContactSurface(
         0.4, 20e-3, 40e-3, 0.3, ContactCompliance(1500.0, 6.0), (1.0, 0.5, 0.1)
     )

@@ -75,7 +75,7 @@ def test_what_is_assumed() -> None:
     }
 
 
-def test_everything_said() -> None:
+def test_every_key_of_a_scene_is_read() -> None:
     found = read(
         {
             "time_step": 1,
@@ -264,7 +264,7 @@ def test_the_world_scale_is_that_of_the_definitions_unless_the_scene_has_one() -
         ("~", False),
     ],
 )
-def test_a_scene_is_told_from_a_definition_by_its_keys(text: str, is_scene: bool) -> None:
+def test_a_scene_is_distinguished_from_a_definition_by_its_keys(text: str, is_scene: bool) -> None:
     assert scene_model.is_scene(parse(text, "a.yaml")) is is_scene
 
 

@@ -75,8 +75,8 @@ def test_files_are_put_in_as_texts(folder: Path) -> None:
     ]
     scene, warnings = scene_of(document)
     assert warnings == ()
-    assert [len(thing.chain.links[0].shapes) for thing in scene.objects] == [1, 1, 3]
-    # a fault of a mesh is told where the scene names it
+    assert [len(one_object.chain.links[0].shapes) for one_object in scene.objects] == [1, 1, 3]
+    # a problem of a mesh is reported where the scene names it
     assert document.span(("objects", 0, "mesh")).source == str(folder / "in/scene.json")
 
 

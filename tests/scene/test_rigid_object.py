@@ -24,10 +24,10 @@ from tests.builders.scenes import scene_from_file, scene_from_text
 
 
 @pytest.mark.parametrize("step", [5e-4, 4e-3])
-@pytest.mark.parametrize("thing", [CUBE, BALL])
-def test_what_falls_falls_as_galileo_says(thing: Data, step: float) -> None:
+@pytest.mark.parametrize("one_object", [CUBE, BALL])
+def test_what_falls_falls_as_galileo_says(one_object: Data, step: float) -> None:
     data = scene_of_objects(
-        {**thing, "position": [0, 0, 1], "linear_velocity": [0.3, 0, 1]}, time_step=step
+        {**one_object, "position": [0, 0, 1], "linear_velocity": [0.3, 0, 1]}, time_step=step
     )
     (found,) = object_columns(data, 0.4).values()
     # of second order, and for a parabola that is exact

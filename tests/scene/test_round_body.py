@@ -23,7 +23,7 @@ def link(*solids: tuple[AnySolid, float]) -> Link:
     return Link("link", Inertial(1.0, geometry.ZERO, (1, 0, 0, 1, 0, 1)), shapes)
 
 
-def test_an_old_point_is_led_back_under_the_axis_at_its_height_along_it() -> None:
+def test_an_old_point_moves_back_below_the_axis_at_its_position_along_it() -> None:
     old = (0.013, 0.02 * math.sin(0.2), -0.02 * math.cos(0.2))
     assert geometry.add(old, LYING.offset_to_line(old, UP)) == pytest.approx((0.013, 0, -0.02))
 

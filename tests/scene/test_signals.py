@@ -94,7 +94,7 @@ def test_a_repeated_signal_that_starts_late_holds_its_first_value_in_every_perio
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_steady_until_tells_where_the_value_stays(kind: Interpolation) -> None:
+def test_steady_until_returns_how_long_the_value_stays(kind: Interpolation) -> None:
     signal = piecewise_signal(POINTS, kind, repeat=False)
     assert signal.constant_until(0.2) == 0.5
     assert signal.constant_until(4.0) == math.inf

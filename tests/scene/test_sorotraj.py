@@ -178,7 +178,7 @@ def sorotraj_problems(data: Data, **of_entry: Any) -> list[tuple[str, str]]:
         waveform("square", subsample_num=None),
     ],
 )
-def test_nothing_is_said_of_sound_files(data: Data) -> None:
+def test_valid_files_have_no_problems(data: Data) -> None:
     assert sorotraj_problems(data) == []
 
 
@@ -232,7 +232,7 @@ def test_nothing_is_said_of_sound_files(data: Data) -> None:
         (file_of(), {"invert": [0, 3]}, ["there is no channel 3"]),
     ],
 )  # fmt: skip
-def test_faults_are_told_at_once(data: Data, of_entry: Data, messages: list[str]) -> None:
+def test_problems_are_reported_at_once(data: Data, of_entry: Data, messages: list[str]) -> None:
     assert sorted(message for _, message in sorotraj_problems(data, **of_entry)) == sorted(messages)
 
 

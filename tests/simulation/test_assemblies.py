@@ -74,11 +74,11 @@ def alone(limb: str, extra: str = "", **changes: Any) -> Scene:
 
 def apart_from_alone(integrator: str, step: float) -> float:
     """Return the largest difference of an angle of a limb from that of the finger alone [rad]."""
-    manner = {"integrator": integrator, "time_step": step, "every": 10}
-    rows = np.array(rows_of(pair("static", **manner), 500))
+    settings = {"integrator": integrator, "time_step": step, "every": 10}
+    rows = np.array(rows_of(pair("static", **settings), 500))
     largest = 0.0
     for limb, found in {"left": rows[:, 1:11], "right": rows[:, 11:]}.items():
-        expected = np.array(rows_of(alone(limb, **manner), 500))[:, 1:]
+        expected = np.array(rows_of(alone(limb, **settings), 500))[:, 1:]
         assert np.abs(expected).max() > 0.1
         largest = max(largest, float(np.abs(found - expected).max()))
     return largest
@@ -233,7 +233,7 @@ def test_a_wave_runs_through_limbs_and_within_them_through_actuators() -> None:
     assert phases == [0.0, -0.25]
 
 
-def test_the_watch_follows_every_limb_from_the_body() -> None:
+def test_the_divergence_monitor_follows_every_limb_from_the_body() -> None:
     """What gravity can give beyond the root is the sum of what it can give the limbs."""
 
     def beyond_the_root(names: tuple[str, ...]) -> float:

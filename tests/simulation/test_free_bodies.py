@@ -6,6 +6,7 @@ import dataclasses
 import json
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -60,8 +61,9 @@ def test_orientation_is_of_order_two(body: Spinning, tmp_path: Path) -> None:
 
 def test_the_references_agree() -> None:
     assert symmetric_top(PENCIL, 1.0) == pytest.approx(orientation(PENCIL, 1.0), abs=1e-9)
-    # MuJoCo 3.17, the newest for Python 3.10, is 1.5e-7 off here, 4.0 less than 1e-9
-    assert mujoco_rotation(BOX, 1.0) == pytest.approx(orientation(BOX, 1.0), abs=1e-6)
+    # MuJoCo 3.17, the newest for Python 3.10, is 1.5e-7 off here, 4.0 no more than rounding
+    bound = 1e-11 if int(mujoco.__version__.split(".")[0]) >= 4 else 3e-7
+    assert mujoco_rotation(BOX, 1.0) == pytest.approx(orientation(BOX, 1.0), abs=bound)
 
 
 def test_rates_are_those_of_jacobi_at_the_instants_of_rows(tmp_path: Path) -> None:

@@ -180,7 +180,7 @@ def test_a_snake_wriggles_on_the_ground_alike_at_every_step() -> None:
     assert ends[0] == pytest.approx(ends[1], abs=4e-3)
 
 
-def test_what_starts_in_the_ground_is_told() -> None:
+def test_a_start_inside_the_ground_is_reported() -> None:
     assert messages_of(block()) == []
     assert messages_of(block(one={"position": [0, 0, -1e-6]})) == []
     deep = messages_of(block(one={"position": [0, 0, -0.01]}))

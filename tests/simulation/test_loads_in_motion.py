@@ -1,4 +1,4 @@
-"""Bodies in motion under external loads: momentum, another simulator, scale, and the watch."""
+"""Bodies under external loads: momentum, another simulator, scale, the divergence monitor."""
 
 from __future__ import annotations
 
@@ -190,7 +190,7 @@ def test_no_alarm_where_all_the_energy_is_the_work_of_loads(
 
 
 @pytest.mark.parametrize("every", [1, 1000])
-def test_the_work_of_a_late_load_is_its_force_over_its_way(
+def test_the_work_of_a_late_load_is_its_force_times_displacement(
     every: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A force on the base of a falling finger pulls back for 10 ms, and 0.4 s later for 40 ms."""

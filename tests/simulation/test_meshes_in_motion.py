@@ -161,8 +161,8 @@ def test_a_finger_pushes_it_as_far_as_the_box(kind: str) -> None:
     link = object_shapes.object_link({**made[kind], "mass": 0.01})
     other = dataclasses.replace(box, chain=dataclasses.replace(box.chain, links=(link,)))
     ends = []
-    for thing in (box, other):
-        plan = make_plan(dataclasses.replace(scene, objects=(thing,)))
+    for body in (box, other):
+        plan = make_plan(dataclasses.replace(scene, objects=(body,)))
         row = dict(zip(columns.header(plan.recorded), rows_of(plan, 2000)[-1], strict=True))
         ends.append(row["cube.pose.y_m"])
     assert ends[0] > 0.07

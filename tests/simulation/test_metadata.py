@@ -37,8 +37,8 @@ def test_the_keys(found: dict[str, object]) -> None:
 
 
 def test_the_values(found: dict[str, object]) -> None:
-    told = {key: found[key] for key in KEYS if key not in OF_THE_MACHINE}
-    assert told == {
+    reported = {key: found[key] for key in KEYS if key not in OF_THE_MACHINE}
+    assert reported == {
         "somo": somo_cli.__version__,
         "inputs": {
             "scene.yaml": {"sha256": hashlib.sha256("manipulators: ü\n".encode()).hexdigest()},

@@ -222,7 +222,7 @@ def test_the_centre_of_mass_of_a_free_chain_moves_straight() -> None:
 
 @pytest.mark.parametrize("base", ["static", "free"])
 def test_what_is_recorded_does_not_change_what_happens(base: str) -> None:
-    """To the last bit, though the law looks at a body every few steps only."""
+    """To the last bit, though a body is checked every few steps only."""
     runs = []
     for every, columns in (
         (1, ("joint_angles", "joint_rates", "base_pose")),

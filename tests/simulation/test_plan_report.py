@@ -102,38 +102,38 @@ def test_motor_rows_are_kept_where_asked_for() -> None:
     what = "motor rows of joints"
     rubbing = X | {"joint_control_limit_force": 0.01}
 
-    def told(*joints: Data) -> list[Decision]:
+    def reported(*joints: Data) -> list[Decision]:
         data = {"manipulators": [{"definition": manipulator(actuator(2, *joints))}]}
         scene = scene_from_text(json.dumps(data))
         plans = (make_plan(scene, is_whole) for is_whole in (False, True))
         return [one for plan in plans for one in explain(plan) if one.what == what]
 
-    assert told(X) == [
+    assert reported(X) == [
         Decision(what, False, "no dry friction", "2 rows in every step"),
         Decision(what, True, "asked for, though no dry friction"),
     ]
     of_one = "dry friction of 1 joint, one row each"
-    assert told(X, rubbing) == [
+    assert reported(X, rubbing) == [
         Decision(what, True, of_one, "1 row in every step"),
         Decision(what, True, f"{of_one}, asked for of 1 more"),
     ]
     of_all = "dry friction of 2 joints, one row each"
-    assert told(rubbing) == [Decision(what, True, of_all)] * 2
+    assert reported(rubbing) == [Decision(what, True, of_all)] * 2
 
 
 def test_limits_are_kept_where_needed_or_asked_for() -> None:
     what = "joint limits in the engine"
 
-    def told(keeps_unused: bool, **more: object) -> str:
+    def reported(keeps_unused: bool, **more: object) -> str:
         scene = scene_from_text(json.dumps(ALONE | more))
         plan = make_plan(scene, keeps_unused)
         return next(one.why for one in explain(plan) if one.what == what)
 
     within = "2 joints with limits, a row only beyond one"
-    assert told(False) == "2 joints with limits, at which the law stops them"
-    assert told(True) == f"{within}, asked for, though the law stops them"
-    assert told(False, ground={}) == told(True, ground={}) == within
-    assert told(False, integrator="explicit") == told(True, integrator="explicit") == within
+    assert reported(False) == "2 joints with limits, at which the law stops them"
+    assert reported(True) == f"{within}, asked for, though the law stops them"
+    assert reported(False, ground={}) == reported(True, ground={}) == within
+    assert reported(False, integrator="explicit") == reported(True, integrator="explicit") == within
 
 
 def test_pairs_that_are_spared_are_counted() -> None:
@@ -160,7 +160,7 @@ def test_links_that_are_merged_are_counted() -> None:
 
 
 def plan_with_rows_between_checks(name: str, keeps_unused: bool) -> Plan:
-    # rows in between looks, which fall on every eighth step
+    # rows between two checks, which are at every eighth step
     return make_plan(dataclasses.replace(scene_from_file(name), every=3), keeps_unused)
 
 
@@ -186,7 +186,7 @@ def test_leaving_out_changes_no_byte(name: str) -> None:
     assert "<visual>" in whole.bodies[0].urdf
     assert "<collision>" in whole.bodies[0].urdf
     assert ("<collision>" in lean.bodies[0].urdf) is lean.can_touch
-    assert all("<visual>" in thing.urdf for thing in whole.objects if thing.urdf)
+    assert all("<visual>" in one_object.urdf for one_object in whole.objects if one_object.urdf)
     assert all(body.has_zero_torque_motors and body.has_engine_limits for body in whole.bodies)
     least = bits(lean, steps)
     assert bits(without_motors(whole), steps) == least
@@ -213,7 +213,7 @@ def test_a_motor_row_moves_what_is_exactly_at_rest_and_next_to_nothing() -> None
 
 
 @pytest.mark.parametrize("integrator", ["implicit", "euler"])
-def test_limits_in_the_engine_change_a_blow_by_less_than_the_step_does(integrator: str) -> None:
+def test_limits_in_the_engine_change_an_impact_by_less_than_the_step_does(integrator: str) -> None:
     """The law lets a joint that strikes beyond its limit by a little; the engine pushes it back."""
     pytest.importorskip("pybullet")
     x, y = (joint | {"limits": [-0.2, 0.2, 10, 20], "spring_stiffness": 0.02} for joint in (X, Y))

@@ -18,14 +18,16 @@ STEP_UNCORRECTED = 1e-3  # s
 
 def plain() -> None:
     """Print how a long box slides in plain PyBullet, parameter by parameter."""
-    print("plain PyBullet, a long box, 1 ms: way over v^2/(2 mu g) - 1, aside over it")
+    print("plain PyBullet, a long box, 1 ms: distance over v^2/(2 mu g) - 1, aside over it")
     for name, beyond, aside in plain_engine.rows():
         print(f"{name:24}{beyond:9.4f} {aside:9.4f}", flush=True)
 
 
 def sliding() -> None:
     """Print the worst of all headings for every body and step."""
-    print("worst of 16 headings and yaws: way over v^2/(2 mu g) - 1, aside over it, turned [rad]")
+    print(
+        "worst of 16 headings and yaws: distance over v^2/(2 mu g) - 1, aside over it, turned [rad]"
+    )
     for body in BODIES:
         with uncorrected():
             print(f"{body:10}engine's {_worst_stop(body, STEP_UNCORRECTED)}", flush=True)

@@ -47,7 +47,7 @@ MIDDLES = {"mesh": 0.015}
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Stop:
-    """Where a body came to rest, over the way v²/(2 μ g), and by how much it turned [rad]."""
+    """Where a body came to rest, over the distance v²/(2 μ g), and by how much it turned [rad]."""
 
     beyond: float
     aside: float
@@ -74,11 +74,11 @@ def stop(body: str, heading: float, yaw: float, step: float = 1e-3, speed: float
     )
     middle = _turned(MIDDLES.get(body, 0.0), turn)
     x, y = x + middle[0], y + middle[1]
-    way = speed**2 / (2 * FRICTION * G)
+    distance = speed**2 / (2 * FRICTION * G)
     along, across = x * ahead[0] + y * ahead[1], y * ahead[0] - x * ahead[1]
     turned = 0.0 if body == "capsule" else math.remainder(turn - yaw, 2 * math.pi)
-    return Stop(along / way - 1, across / way, turned)
+    return Stop(along / distance - 1, across / distance, turned)
 
 
-def _turned(way: float, yaw: float) -> tuple[float, float]:
-    return way * math.cos(yaw), way * math.sin(yaw)
+def _turned(distance: float, yaw: float) -> tuple[float, float]:
+    return distance * math.cos(yaw), distance * math.sin(yaw)

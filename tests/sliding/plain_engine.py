@@ -55,8 +55,8 @@ def aside(step: float, parameters: Mapping[str, float]) -> tuple[float, float]:
         (x, y, _), _ = pybullet.getBasePositionAndOrientation(box, client)
     finally:
         pybullet.disconnect(client)
-    way = SPEED**2 / (2 * FRICTION * G)
-    return (x * ahead[0] + y * ahead[1]) / way - 1, (y * ahead[0] - x * ahead[1]) / way
+    distance = SPEED**2 / (2 * FRICTION * G)
+    return (x * ahead[0] + y * ahead[1]) / distance - 1, (y * ahead[0] - x * ahead[1]) / distance
 
 
 def rows() -> Iterator[tuple[str, float, float]]:

@@ -74,7 +74,7 @@ def won(
     with BulletWorld(plan) as world:
         rigid_object, take, length = world.objects[0], world.step, plan.scale.length
 
-        def watched() -> None:
+        def monitored() -> None:
             pose, (velocity, spin) = rigid_object.pose(), rigid_object.velocity()
             take()
             own = np.array(pose.rotation).T @ spin
@@ -86,7 +86,7 @@ def won(
             )
             ups.append(pose.rotation[2][2])
 
-        world.step = watched
+        world.step = monitored
         run.run(plan, world, lambda rows: None, round(time / step), lambda: 0.0)
     course = np.array(energies[1:])
     sunk = (inertial.mass * G) ** 2 / (2 * stiffness)

@@ -24,7 +24,7 @@ def _module(name: str) -> object:
 
 
 def main() -> None:
-    """Run what is asked for, each with its time; draw their figures if told where to."""
+    """Run what is asked for, each with its time; draw their figures into a folder, if given."""
     arguments = argparse.ArgumentParser(description=__doc__)
     arguments.add_argument("names", nargs="*", choices=[[], *names()], default=[])
     arguments.add_argument("--pictures", type=Path, help="a folder for the figures")

@@ -1,6 +1,6 @@
 """The arm that plays with a ball: where it takes it, how fast that is computed, and what steps do.
 
-Ours and the loop that users write are timed one after the other on one core; then the way of the
+Ours and the loop that users write are timed one after the other on one core; then the path of the
 ball and of the arm's tip are compared over steps and world scales.
 """
 
@@ -36,30 +36,30 @@ def setting(step: float, scale: float = 2) -> Setting:
     return Setting(SCENE, SECONDS, (f"world_scale={scale}",), step)
 
 
-def way(record: Record, of: str = "ball.pose") -> Array:
+def positions(record: Record, of: str = "ball.pose") -> Array:
     """Return where the ball, or the arm's tip, is in each row, shape (rows, 3) [m]."""
     return np.transpose([record[f"{of}.{axis}_m"] for axis in "xyz"])
 
 
 def is_in(record: Record) -> bool:
-    """Tell whether the ball ends behind the goal line, on the ground."""
-    x, _, z = way(record)[-1]
+    """Whether the ball ends behind the goal line, on the ground."""
+    x, _, z = positions(record)[-1]
     return bool(x < GOAL and abs(z - 0.495) < 0.01)
 
 
 def apart(record: Record, other: Record, of: str) -> tuple[float, float]:
-    """Return how far two ways are apart: at most, and at the end [m]."""
-    distances = np.linalg.norm(way(record, of) - way(other, of), axis=1)
+    """Return the distance of two runs: the largest, and that at the end [m]."""
+    distances = np.linalg.norm(positions(record, of) - positions(other, of), axis=1)
     return float(distances.max()), float(distances[-1])
 
 
-def ways(records: Sequence[tuple[str, Record]], reference: Record) -> Sequence[str]:
+def table_of_runs(records: Sequence[tuple[str, Record]], reference: Record) -> Sequence[str]:
     """Return a line for each run: where the ball ends, and how far it is from the reference."""
     lines = [
         "run, ball at the end [m], in; from the last step at most and at the end [m]: ball, tip"
     ]
     for name, record in records:
-        end = "".join(f"{value:8.3f}" for value in way(record)[-1])
+        end = "".join(f"{value:8.3f}" for value in positions(record)[-1])
         far = (*apart(record, reference, "ball.pose"), *apart(record, reference, "ball_arm.tip"))
         distances = "".join(f"{value:8.3f}" for value in far)
         lines.append(f"{name:18}{end}  {'in' if is_in(record) else 'out':4}{distances}")
@@ -80,11 +80,11 @@ def classic(seconds: float = SECONDS) -> tuple[float, Array]:
     plan = make_plan(scene_from_file(SCENE))
     ball: list[float] = []
 
-    def look(world: BulletWorld) -> None:
+    def record_ball(world: BulletWorld) -> None:
         ball[:] = world.objects[0].pose().position
 
     friction = CLASSIC_FRICTION * plan.scale.length**2 * plan.scale.mass
-    return classic_loop(plan, seconds, friction, look), np.array(ball) / plan.scale.length
+    return classic_loop(plan, seconds, friction, record_ball), np.array(ball) / plan.scale.length
 
 
 def speeds() -> Iterator[str]:
@@ -102,14 +102,14 @@ def speeds() -> Iterator[str]:
 
 
 def study(pictures: Path | None) -> None:
-    """Print speeds and ways; draw the way of the ball and of the tip."""
+    """Print speeds and ends; draw the path of the ball and of the tip."""
     print(*speeds(), sep="\n", flush=True)
     # the longest first, so that two cores are busy to the end
     settings = {f"{1e3 * step:g} ms": setting(step) for step in reversed(STEPS)}
     settings |= {f"{1e3 * COARSE:g} ms": setting(COARSE)}
     settings |= {f"2 ms, scale {scale}": setting(STEPS[0], scale) for scale in SCALES}
     records = dict(zip(settings, recorded_all(list(settings.values())), strict=True))
-    print(*ways(list(records.items()), records["0.5 ms"]), sep="\n", flush=True)
+    print(*table_of_runs(list(records.items()), records["0.5 ms"]), sep="\n", flush=True)
     if pictures is not None:
         from tests.studies.ball_arm_picture import draw
 

@@ -106,7 +106,7 @@ class Press:
         return float(np.interp(HOLDS, self.times, self.forces))
 
     def at(self, torque: float, falling: bool = False) -> float:
-        """Return the force [N] when the torque passes this one, on its way up or down."""
+        """Return the force [N] when the torque passes this one, while it rises or falls."""
         if falling:
             part = self.times >= HOLDS
             return float(np.interp(torque, self.torques[part][::-1], self.forces[part][::-1]))
@@ -197,7 +197,7 @@ def draw(path: Path, run: Press, rough: Press, one: Finger) -> None:
 
 
 def study(pictures: Path | None) -> None:
-    """Print the tables; draw the figure if told where to."""
+    """Print the tables; draw the figure into a folder, if given."""
     one, run = finger(), press()
     print(f"{SCENE}, {SECONDS} s at 1 ms, world scale 20")
     print(*ramp(run, one), sep="\n")

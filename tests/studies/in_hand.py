@@ -89,7 +89,7 @@ def together(what: str, runs: Sequence[Turn]) -> str:
     )
 
 
-def judged(runs: Mapping[str, Turn]) -> Iterator[str]:
+def checked(runs: Mapping[str, Turn]) -> Iterator[str]:
     """Yield what groups of runs have in common, and how far the real hand turned the cube."""
     for what, group in (("numerics", SAME), ("placed otherwise", PLACED), ("flat palm", FLAT)):
         yield together(what, [runs[name] for name in group])
@@ -100,10 +100,10 @@ def judged(runs: Mapping[str, Turn]) -> Iterator[str]:
 
 
 def study(pictures: Path | None) -> None:
-    """Print the tables; draw the figure if told where to."""
+    """Print the tables; draw the figure into a folder, if given."""
     print(f"{SCENE}, {SECONDS:g} s at {1e3 * STEP:g} ms unless said otherwise", flush=True)
     runs = run_all()
-    print(*table(runs), *judged(runs), sep="\n", flush=True)
+    print(*table(runs), *checked(runs), sep="\n", flush=True)
     found = run_open()
     print(*found.table(), sep="\n")
     if pictures is not None:

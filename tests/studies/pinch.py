@@ -19,7 +19,7 @@ SCENE = "pinch_scene.yaml"
 SECONDS = 3.0
 CLOSED = 1.495  # s: closed on the block that still stands, just before the lift
 LIFTED = 0.04  # m: a block that hangs this much higher has been acquired, as in SoMo's study
-WAY = 0.075  # m: down and up again
+DESCENT = 0.075  # m: down and up again
 
 WIDTHS = (0.01, 0.02, 0.04, 0.06, 0.08, 0.1, 0.12)  # m
 HEIGHTS = (0.13, 0.14, 0.15, 0.16, 0.175, 0.19)  # m: of the bases above the ground
@@ -55,7 +55,7 @@ def setting(
     """Return one grasp: width of the block, height of the hand [m], distal segments of 20."""
     block = f"objects[0].dimensions[1]={width}"
     fingers = ("manipulators[0]", "manipulators[1]")
-    places = (f"{finger}.position[2]={height + WAY}" for finger in fingers)
+    places = (f"{finger}.position[2]={height + DESCENT}" for finger in fingers)
     cuts = (
         f"{finger}.definition.actuator_definitions[{number}].n_segments={count}"
         for finger in fingers

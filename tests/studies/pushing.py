@@ -25,9 +25,9 @@ RECORD = ("record.columns=[link_positions]", "record.objects=[pose,velocity,angl
 
 @dataclass(frozen=True, slots=True)
 class Push:
-    """What became of the block: its way (2, t) [m] and angle [rad], and how it came to rest."""
+    """What became of the block: its path (2, t) [m] and angle [rad], and how it came to rest."""
 
-    way: Array
+    path: Array
     angle: float
     speed: float
     """When it left the arm for good [m/s]; 0 if it still touches at the end."""
@@ -37,12 +37,12 @@ class Push:
     @property
     def off_goal(self) -> float:
         """How far from the goal it ends [m]."""
-        return float(np.hypot(*(self.way[:, -1] - GOAL)))
+        return float(np.hypot(*(self.path[:, -1] - GOAL)))
 
     @property
     def distance(self) -> float:
         """How far from its start it ends [m]."""
-        return float(np.hypot(*(self.way[:, -1] - self.way[:, 0])))
+        return float(np.hypot(*(self.path[:, -1] - self.path[:, 0])))
 
 
 def setting(friction: float, rise: float, time_step: float, *sets: str) -> Setting:
@@ -59,18 +59,18 @@ def setting(friction: float, rise: float, time_step: float, *sets: str) -> Setti
 
 def pushed(run: Record) -> Push:
     """Return what became of the block in a run."""
-    way = np.array([run["block.pose.x_m"], run["block.pose.y_m"]])
+    path = np.array([run["block.pose.x_m"], run["block.pose.y_m"]])
     pressed = run["block.contact.planar_arm.normal_n"]
     left = int(np.flatnonzero(pressed > 0)[-1]) + 1
     angle = float(run["block.angles.z_rad"][-1])
     if left >= len(pressed):
-        return Push(way, angle, 0.0, 0.0)
+        return Push(path, angle, 0.0, 0.0)
     speed = np.hypot(run["block.velocity.x_m_per_s"][left], run["block.velocity.y_m_per_s"][left])
-    return Push(way, angle, float(speed), float(np.hypot(*(way[:, -1] - way[:, left]))))
+    return Push(path, angle, float(speed), float(np.hypot(*(path[:, -1] - path[:, left]))))
 
 
 def study(pictures: Path | None) -> None:
-    """Print where the block ends over step, scale and friction; draw its way and distances."""
+    """Print where the block ends over step, scale and friction; draw its path and distances."""
     steps = {
         f"{1e3 * step:g} ms, world scale {scale}": setting(
             1.0, SLOW, step, f"world_scale={scale}", "record.every=10"
@@ -86,7 +86,7 @@ def study(pictures: Path | None) -> None:
     found = [pushed(run) for run in runs]
     print("pushed slowly, coefficient 1   x [mm]   y [mm]  turned [rad]  from the goal [mm]")
     for name, one in zip(steps, found, strict=False):
-        x, y = 1e3 * one.way[:, -1]
+        x, y = 1e3 * one.path[:, -1]
         print(f"{name:28}{x:9.2f}{y:9.2f}{one.angle:14.4f}{1e3 * one.off_goal:20.2f}")
     swept = found[len(steps) :]
     print(

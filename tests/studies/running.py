@@ -54,7 +54,7 @@ def recorded(setting: Setting) -> Record:
 
 
 def recorded_all(settings: Sequence[Setting], processes: int | None = None) -> list[Record]:
-    """Run scenes side by side, one process for each core unless told otherwise; in their order."""
+    """Run scenes side by side, one process for each core by default; return them in order."""
     count = processes or os.cpu_count() or 1
     if count == 1 or len(settings) < 2:
         return [recorded(setting) for setting in settings]

@@ -1,7 +1,8 @@
 """The snake crawls: its speed against frequency and amplitude of its wave, held against theory.
 
-SoMoGym's SnakeLocomotionDiscrete, but with a belly whose friction is the same whichever way the
-snake heads, with the masses and stiffness of silicone, and with a second opinion: `planar_snake`.
+SoMoGym's SnakeLocomotionDiscrete, but with a belly whose friction is the same whatever the
+heading of the snake, with the masses and stiffness of silicone, and with a second opinion:
+`planar_snake`.
 """
 
 from __future__ import annotations
@@ -109,8 +110,8 @@ def centre(record: Record, masses: Array, lengths: Array) -> Array:
 def speed(times: Array, places: Array, window: float) -> float:
     """Return how far a place has gone in the last `window` seconds, over that time [m/s]."""
     first = int(np.argmin(np.abs(times - (times[-1] - window))))
-    way = places[:, -1] - places[:, first]
-    return float(np.hypot(*way) / (times[-1] - times[first]))
+    crawled = places[:, -1] - places[:, first]
+    return float(np.hypot(*crawled) / (times[-1] - times[first]))
 
 
 def speeds(crawls: Sequence[Crawl], window: float, processes: int | None = None) -> list[float]:
@@ -138,14 +139,14 @@ def study(pictures: Path | None) -> None:
     crawls = [Crawl(gait, 2e-3, SECONDS) for gait in dict.fromkeys(waves)]
     each = zip(speeds(crawls, WINDOW), opinions(crawls, WINDOW), strict=True)
     pairs = dict(zip(dict.fromkeys(waves), each, strict=True))
-    found, told = zip(*(pairs[gait] for gait in waves), strict=True)
+    found, reported = zip(*(pairs[gait] for gait in waves), strict=True)
     print(f"\nmean speed over the last {WINDOW:g} s of {SECONDS:g} s, 2 ms [m/s]")
     print("amplitude [N m]  frequency [Hz]    speed  second opinion      off")
-    for gait, one, other in zip(waves, found, told, strict=True):
+    for gait, one, other in zip(waves, found, reported, strict=True):
         wave = f"{gait.amplitude:15g}{gait.frequency:16g}"
         print(f"{wave}{one:9.4f}{other:16.4f}{one / other - 1:+9.1%}")
     if pictures is not None:
-        _draw(pictures, found, told)
+        _draw(pictures, found, reported)
 
 
 def _print_convergence() -> None:
@@ -165,13 +166,13 @@ def _print_convergence() -> None:
         "hard belly, 1 ms": Crawl(sets=HARD),
         "equal friction, 2 ms": Crawl(step=2e-3, sets=EQUAL),
     }
-    (told,) = opinions([Crawl()], 1.0)
-    print(f"speed in the second period of 1 s; {told:.4f} m/s by the second opinion")
+    (reported,) = opinions([Crawl()], 1.0)
+    print(f"speed in the second period of 1 s; {reported:.4f} m/s by the second opinion")
     for name, found in zip(cases, speeds(list(cases.values()), 1.0), strict=True):
-        print(f"{name:30}{found:8.4f} m/s{found / told - 1:+9.2%}")
+        print(f"{name:30}{found:8.4f} m/s{found / reported - 1:+9.2%}")
 
 
-def _draw(pictures: Path, found: Sequence[float], told: Sequence[float]) -> None:
+def _draw(pictures: Path, found: Sequence[float], reported: Sequence[float]) -> None:
     figure = drawing.new_figure()
     grid = figure.add_gridspec(2, 2)
     _draw_path(figure.add_subplot(grid[0, :]))
@@ -182,7 +183,7 @@ def _draw(pictures: Path, found: Sequence[float], told: Sequence[float]) -> None
     )
     for column, (values, part, label) in enumerate(sweeps):
         axes = figure.add_subplot(grid[1, column])
-        axes.plot(values, told[part], color="0.5", label="second opinion")
+        axes.plot(values, reported[part], color="0.5", label="second opinion")
         axes.plot(values, found[part], "o", color="tab:green", label="somo, 2 ms")
         axes.set_ylim(0)
         drawing.panel(axes, label, "speed [m/s]")

@@ -116,9 +116,11 @@ def study(pictures: Path | None) -> None:
         row = first.at(time)
         loads = first.loads[:, row]
         off = loads.sum() / weight(chain) - 1
-        told = "".join(f"{load:7.3f}" for load in loads)
+        reported = "".join(f"{load:7.3f}" for load in loads)
         centres = 1e3 * first.mass_centre[0, row], 1e3 * first.pressure_centre[0, row]
-        print(f"{time:8g}{told}{loads.sum():9.4f} {off:+8.1e}{centres[0]:12.3f}{centres[1]:12.3f}")
+        print(
+            f"{time:8g}{reported}{loads.sum():9.4f} {off:+8.1e}{centres[0]:12.3f}{centres[1]:12.3f}"
+        )
     print("where the centre of mass is at each pause, towards arm 0 [mm]")
     for name, one in zip(cases, stands, strict=True):
         places = [1e3 * one.mass_centre[0, one.at(time)] for time in PAUSES]

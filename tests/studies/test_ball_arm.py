@@ -1,4 +1,4 @@
-"""The arm that plays with a ball in short: what is read from its ways, and that it scores."""
+"""The arm that plays with a ball in short: what is read from its runs, and that it scores."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from somo_cli.simulation.engine.bullet import collision_filter
 from somo_cli.simulation.run import RunSummary
 from tests.studies import ball_arm
-from tests.studies.ball_arm import apart, is_in, ways
+from tests.studies.ball_arm import apart, is_in, table_of_runs
 from tests.studies.running import Record, Setting, recorded
 
 
@@ -32,11 +32,11 @@ def test_in_is_behind_the_line_and_on_the_ground() -> None:
     assert not is_in(record_of([[3.5, 0.75, 0.495], [-3.0, 0.0, 1.5]], TIP))
 
 
-def test_how_far_two_ways_are_apart() -> None:
+def test_the_largest_and_the_last_distance_of_two_runs() -> None:
     other = record_of([[3.5, 0.75, 1.495], [-3.0, 0.4, 0.795]], TIP)
     assert apart(IN, other, "ball.pose") == (pytest.approx(1.0), pytest.approx(0.5))
     assert apart(IN, other, "ball_arm.tip") == (0, 0)
-    assert ways([("other", other)], IN)[1].split() == (
+    assert table_of_runs([("other", other)], IN)[1].split() == (
         ["other", "-3.000", "0.400", "0.795", "out", "1.000", "0.500", "0.000", "0.000"]
     )
 
@@ -64,7 +64,7 @@ def test_the_arm_takes_the_ball_behind_the_goal_line_at_two_milliseconds() -> No
 
 
 @pytest.mark.slow
-def test_more_iterations_of_the_solver_change_no_more_than_twice_what_the_step_does(
+def test_neither_more_iterations_nor_half_the_step_move_the_tip_by_one_per_cent(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     pytest.importorskip("pybullet")
@@ -74,4 +74,7 @@ def test_more_iterations_of_the_solver_change_no_more_than_twice_what_the_step_d
     monkeypatch.setattr(collision_filter, "CROWD_ITERATIONS", 200)
     many = recorded(lying)
     by_solver, by_step = (apart(other, few, "ball_arm.tip")[0] for other in (many, finer))
-    assert 0 < by_solver < 2 * by_step
+    # of an arm of 7.8 m: 38 mm by 200 iterations in place of 50 (10 mm by 100, 48 mm by 400), 25 mm
+    # by the step: where much touches, the solver is the larger error of the two
+    assert 0 < by_solver < 0.045
+    assert 0 < by_step < 0.027

@@ -23,7 +23,7 @@ def test_a_setting_moves_both_fingers_and_keeps_their_length() -> None:
     (block,) = scene.objects
     assert block.chain.links[0].shapes[0].solid == Box((0.06, 0.08, 0.06))
     for finger in scene.manipulators:
-        assert finger.position[2] == pytest.approx(0.15 + pinch.WAY)
+        assert finger.position[2] == pytest.approx(0.15 + pinch.DESCENT)
         chain = finger.compiled.chain
         assert chain.length == pytest.approx(0.11)
         assert sum(joint.actuator == 1 for joint in chain.joints) == 6

@@ -35,7 +35,7 @@ def test_the_tip_comes_to_rest_where_statics_says(reach: Reach) -> None:
 
 
 @pytest.mark.slow
-def test_its_way_depends_neither_on_the_step_nor_on_the_scale() -> None:
+def test_the_motion_depends_neither_on_the_step_nor_on_the_scale() -> None:
     settings = [
         WITH.setting(1.0, 1e-3),
         WITH.setting(1.0, 5e-4),

@@ -17,20 +17,20 @@ pytestmark = pytest.mark.slow
 COARSE = Crawl(step=2e-3, seconds=1.0)
 
 
-def ways(*crawls: Crawl) -> list[float]:
+def speeds_of(*crawls: Crawl) -> list[float]:
     """Return how far the snake gets in the last second [m]."""
     return snake.speeds(crawls, 1.0, processes=1)
 
 
-def test_the_way_is_the_second_opinions() -> None:
-    (way,) = ways(replace(COARSE, step=1e-3))
-    assert way == pytest.approx(snake.opinions([COARSE], 1.0)[0], rel=0.01)
+def test_the_speed_is_that_of_the_planar_model() -> None:
+    (speed,) = speeds_of(replace(COARSE, step=1e-3))
+    assert speed == pytest.approx(snake.opinions([COARSE], 1.0)[0], rel=0.01)
 
 
 def test_neither_the_world_scale_nor_the_stiffness_of_the_belly_matters() -> None:
     short = replace(COARSE, seconds=0.5)
     belly = ("contact_stiffness=6000", "contact_damping=20")
-    found = ways(
+    found = speeds_of(
         short,
         replace(short, sets=("world_scale=10",)),
         replace(short, sets=("world_scale=40",)),
@@ -41,12 +41,12 @@ def test_neither_the_world_scale_nor_the_stiffness_of_the_belly_matters() -> Non
 
 def test_it_goes_as_fast_base_ahead_as_tip_ahead() -> None:
     """In the second period; the first one depends on what the start cost (first order)."""
-    found = ways(*(replace(one, seconds=2.0) for one in (COARSE, snake.mirrored(COARSE))))
+    found = speeds_of(*(replace(one, seconds=2.0) for one in (COARSE, snake.mirrored(COARSE))))
     assert found[1] == pytest.approx(found[0], rel=3e-3)
 
 
 def test_with_equal_factors_it_does_not_get_away() -> None:
-    found = ways(replace(COARSE, seconds=2.0), replace(COARSE, seconds=2.0, sets=snake.EQUAL))
+    found = speeds_of(replace(COARSE, seconds=2.0), replace(COARSE, seconds=2.0, sets=snake.EQUAL))
     assert found[1] < 0.1 * found[0]
 
 

@@ -30,9 +30,17 @@ def test_the_arms_bear_the_weight_below_the_centre_of_mass() -> None:
     assert np.abs(one.mass_centre[1]).max() < 2e-5
 
 
-def test_the_shift_depends_neither_on_the_step_nor_on_the_scale() -> None:
-    stands = [leaning(2e-3), leaning(1e-3), leaning(2e-3, "world_scale=40")]
-    shifts = [one.mass_centre[0, one.at(PAUSES[1])] for one in stands]
-    # with friction as the engine has it: 4.1 to 6.4 mm the other way, by the heading of the arms
+def shift(time_step: float, *sets: str) -> float:
+    """Return how far the centre of mass has moved at the second pause [m]."""
+    one = leaning(time_step, *sets)
+    return float(one.mass_centre[0, one.at(PAUSES[1])])
+
+
+def test_the_shift_converges_with_the_step_and_does_not_depend_on_the_scale() -> None:
+    shifts = [shift(step) for step in (2e-3, 1e-3, 5e-4)]
+    # with the engine's own friction: 4.1 to 6.4 mm to the other side, by the heading of the arms
     assert shifts[0] == pytest.approx(-2.09e-3, rel=0.02)
-    assert shifts[1:] == pytest.approx([shifts[0]] * 2, rel=0.08)
+    # -2.092, -2.205 and -2.237 mm: each halving leaves a third of the change
+    assert shifts[1:] == pytest.approx([-2.205e-3, -2.237e-3], rel=0.02)
+    assert abs(shifts[2] - shifts[1]) < 0.5 * abs(shifts[1] - shifts[0])
+    assert shift(2e-3, "world_scale=40") == pytest.approx(shifts[0], rel=1e-6)

@@ -32,7 +32,7 @@ from somo_cli.simulation.plan.build import make_plan
 from tests.bench.accuracy import MOTIONS, driven_finger, driven_finger_in_mujoco
 from tests.builders.mujoco_reference import mujoco_model
 
-TENTH = 0.1  # s between two looks
+TENTH = 0.1  # s between two samples
 TARGETS = (1e-3, 3e-4, 1e-4, 3e-5, 1e-5)  # rad
 STEPS = (2e-2, 1.25e-2, 1e-2, 5e-3, 2.5e-3, 1.25e-3, 6.25e-4, 3.125e-4, 1.5625e-4)  # s, ours
 FINER = (2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5)  # s, MuJoCo's

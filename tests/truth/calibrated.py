@@ -125,7 +125,7 @@ def tip_stiffness() -> Iterator[Row]:
 
 
 def along_the_length() -> Iterator[Row]:
-    """Yield the largest error of the deflection along the length, and what is told of it."""
+    """Yield the largest error of the deflection along the length, and what is reported of it."""
     for placement in ("uniform", "gauss"):
         for axis, wanted in enumerate(WANTED):
             for count in JOINTS:
@@ -134,10 +134,10 @@ def along_the_length() -> Iterator[Row]:
                 chain = np.interp(s * LENGTH, np.append(0, heights), np.append(0, off))
                 beam = force / wanted * s * s * (3 - s) / 2
                 found = float(np.abs(chain - beam).max() / (force / wanted))
-                told = compare_with_beam(axis_of(count, axis, placement), placement).along
+                reported = compare_with_beam(axis_of(count, axis, placement), placement).along
                 what = "deflection along the length against Euler-Bernoulli, over that of the tip"
                 case = f"axis {axis}, {placement}"
-                yield Row(what, case, f"2 x {count} joints", found, told, abs(found - told))
+                yield Row(what, case, f"2 x {count} joints", found, reported, abs(found - reported))
 
 
 def large() -> Iterator[Row]:
@@ -150,10 +150,10 @@ def large() -> Iterator[Row]:
                 tip = shape_at_rest(scene)[-1] / LENGTH
                 across = float(tip @ np.cross(DIRECTIONS[axis], (0, 0, 1)))
                 found = math.dist((tip[2], across), closed_forms.tip_load(1.0))
-                told = compare_with_beam(axis_of(count, axis, placement), placement).large
+                reported = compare_with_beam(axis_of(count, axis, placement), placement).large
                 what = "tip against the elastica, P L²/EI = 1, over the length"
                 case = f"axis {axis}, {placement}"
-                yield Row(what, case, f"2 x {count} joints", found, told, abs(found - told))
+                yield Row(what, case, f"2 x {count} joints", found, reported, abs(found - reported))
 
 
 def blocked_force(torque: float, by_pressure: bool = False) -> float:
@@ -197,8 +197,8 @@ def finger_rows() -> Iterator[Row]:
         known = moment_arms.of_definition(definition, 0, axis)
         own = definition.actuators[0].joints[axis].stiffness
         what = "the shipped finger's joint stiffness [N·m/rad]"
-        told = known.stiffness(wanted)
-        yield Row(what, f"axis {axis}", "2 x 5 joints", own, told, abs(own / told - 1))
+        reported = known.stiffness(wanted)
+        yield Row(what, f"axis {axis}", "2 x 5 joints", own, reported, abs(own / reported - 1))
     grasping = moment_arms.of_definition(definition, 0, 0)
     found = blocked_equilibrium(definition, 0, 0, grasping, FORCE)
     assert found is not None

@@ -1,4 +1,4 @@
-"""What `run --error` tells of a run, against the error that it has."""
+"""What `run --error` reports of a run, against the error that it has."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from tests.builders.runs import in_turn, rows_of
 from tests.truth.table import Row
 
 STEPS = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4)
-WHAT = "largest error that run --error tells, over the true one"
+WHAT = "largest error that run --error reports, over the true one"
 
 
 def rows() -> Iterator[Row]:
@@ -58,7 +58,7 @@ def of_finger(
 
 
 def reported_errors(scene: Scene) -> np.ndarray:
-    """Return the largest error over one second that is told of each column."""
+    """Return the largest error over one second that is reported of each column."""
     plan, steps = make_plan(scene), round(1 / scene.time_step)
     found = estimate(plan, in_turn(rows_of(plan, steps)), steps, BulletWorld, lambda: 0.0)
     return np.array([error.maximum for error in found.errors])

@@ -22,7 +22,7 @@ def mesh_of_a_cube() -> str:
 
 
 def cubes() -> dict[str, dict[str, object]]:
-    """Return one cube in three ways, each of 100 g and at rest on the ground."""
+    """Return one cube, described three times, each of 100 g and at rest on the ground."""
     plain = {"name": "cube", "mass": 0.1, "position": [0, 0, EDGE / 2]}
     box = {**plain, "dimensions": [EDGE] * 3}
     mesh = {"mesh": {"source": "cube.obj", "text": mesh_of_a_cube()}, "shape_type": "mesh"}
@@ -47,5 +47,5 @@ def rows() -> Iterator[Row]:
     }
     for scale in (1, 20):
         found = last_row(with_cubes(pill, world_scale=scale), STEP, 1.0)["cube.pose.x_m"]
-        what = "way of a capsule that rolls for a second [m], relative error"
+        what = "distance of a capsule that rolls for a second [m], relative error"
         yield Row(what, "0.2 m/s", f"scale {scale}", found, 0.2, abs(found / 0.2 - 1))

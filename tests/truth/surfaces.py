@@ -58,7 +58,7 @@ def spun(step: float) -> tuple[float, float]:
 
 
 def rolled(step: float) -> tuple[float, float]:
-    """Return the way of a rolling ball until it stops [m], and the closed form."""
+    """Return the distance of a rolling ball until it stops [m], and the closed form."""
     motion = {"linear_velocity": [0.3, 0, 0], "angular_velocity": [0, 0.3 / RADIUS, 0]}
     ball = {**BALL, "name": "ball", "rolling_friction": ARM, **motion}
     # (m + I / r²) a = m g arm / r
@@ -77,7 +77,7 @@ def slid(yaw: float, step: float) -> float:
 
 
 def directed(yaw: float, time: float, count: int = 4000) -> np.ndarray:
-    """Return the way of that cube [m] by its equation of motion, of second order in time."""
+    """Return the displacement of that cube [m] by its equation of motion, to second order."""
     turn = np.array([[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]])
     factors = turn @ np.diag(FACTORS[:2]) @ turn.T
     velocity, place, step = np.array([0.5, 0.0]), np.zeros(2), time / count
@@ -159,11 +159,11 @@ def _rubbing() -> Iterator[Row]:
     for step in STEPS:
         found, wanted = spun(step)
         yield Row(what, "100 rad/s", f"{step:g} s", found, wanted, abs(found / wanted - 1))
-    what = "way of a ball until rolling friction stops it [m], relative error"
+    what = "distance of a ball until rolling friction stops it [m], relative error"
     for step in STEPS:
         found, wanted = rolled(step)
         yield Row(what, "0.3 m/s", f"{step:g} s", found, wanted, abs(found / wanted - 1))
-    what = "way of a cube of directed friction, factors 1 and 0.2 [m]: distance from the solution"
+    what = "displacement of a cube of directed friction, factors 1 and 0.2 [m]: error"
     for degrees in (0, 20, 45, 90):
         yaw = math.radians(degrees)
         length = float(np.linalg.norm(directed(yaw, 0.1)))
@@ -183,8 +183,8 @@ def _rubbing() -> Iterator[Row]:
 def crawled(step: float, time: float, *sets: str) -> float:
     """Return how far the middle between base and tip of the crawler has gone [m]."""
     end = course(scene_from_file("crawler_scene.yaml", *sets), step, time)
-    way = [(end[f"{place}.{axis}_m"][[0, -1]]) for axis in "xy" for place in PLACES]
-    x, y = ((way[n] + way[n + 1]) / 2 for n in (0, 2))
+    path = [(end[f"{place}.{axis}_m"][[0, -1]]) for axis in "xy" for place in PLACES]
+    x, y = ((path[n] + path[n + 1]) / 2 for n in (0, 2))
     return math.hypot(x[1] - x[0], y[1] - y[0])
 
 
@@ -192,14 +192,14 @@ PLACES = ("crawler.base_pose", "crawler.tip")
 
 
 def _crawling() -> Iterator[Row]:
-    what = "way of the crawling snake in 2 s [m], relative to the finest step"
+    what = "displacement of the crawling snake in 2 s [m], relative to the finest step"
     found = [crawled(step, 2) for step in STEPS]
-    for step, way in zip(STEPS, found, strict=True):
-        off = abs(way / found[0] - 1)
-        yield Row(what, "crawler_scene.yaml", f"{step:g} s", way, found[0], off)
+    for step, path in zip(STEPS, found, strict=True):
+        off = abs(path / found[0] - 1)
+        yield Row(what, "crawler_scene.yaml", f"{step:g} s", path, found[0], off)
     what = "the same with equal factors [m]"
-    way = crawled(1e-3, 2, "manipulators[0].surface.anisotropic_friction=[1, 1, 1]")
-    yield Row(what, "crawler_scene.yaml", "0.001 s", way, 0, way)
+    path = crawled(1e-3, 2, "manipulators[0].surface.anisotropic_friction=[1, 1, 1]")
+    yield Row(what, "crawler_scene.yaml", "0.001 s", path, 0, path)
 
 
 def most_gained(step: float, integrator: str, restitution: float) -> float:

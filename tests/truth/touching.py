@@ -46,7 +46,7 @@ def rows() -> Iterator[Row]:
     expected = 0.5**2 / (2 * 0.5 * G)
     for step in STEPS:
         found = last_row(with_cubes(start), step, 0.4)["cube.pose.x_m"]
-        what = "way of a cube that friction stops [m], relative error"
+        what = "distance of a cube that friction stops [m], relative error"
         yield Row(
             what, "0.5 m/s, friction 0.5", f"{step:g} s", found, expected, abs(found / expected - 1)
         )
@@ -58,7 +58,7 @@ def rows() -> Iterator[Row]:
         for step in STEPS:
             found = last_row(with_cubes(still, gravity=gravity), step, 0.4)["cube.pose.x_m"]
             expected = pull * 0.4**2 / 2
-            what = "way of a cube down a slope, friction 0.5 (26.6 degrees) [m]"
+            what = "distance of a cube down a slope, friction 0.5 (26.6 degrees) [m]"
             yield Row(
                 what, f"{slope} degrees", f"{step:g} s", found, expected, abs(found - expected)
             )

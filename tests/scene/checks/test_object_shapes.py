@@ -15,13 +15,13 @@ from tests.builders.meshes import corners, obj
 from tests.builders.rigid_objects import PILL, ROUNDED_CUBE, object_problems
 
 
-def test_nothing_is_wrong_with_these() -> None:
+def test_valid_shapes_have_no_problems() -> None:
     assert object_problems(ROUNDED_CUBE, PILL) == []
     assert object_problems({**ROUNDED_CUBE, "fixed": True}, {**PILL, "fixed": True}) == []
 
 
 @pytest.mark.parametrize(
-    ("thing", "message"),
+    ("one_object", "message"),
     [
         ({**PILL, "dimensions": [1]}, "a capsule has 2 dimensions, found 1"),
         ({**PILL, "mass": 1}, "mass and density are two ways to say the same"),
@@ -38,8 +38,8 @@ def test_nothing_is_wrong_with_these() -> None:
         ({**PILL, "position": [0, 0, 0.03]}, "it starts 0.01 m inside the ground"),
     ],
 )
-def test_what_is_wrong(thing: Data, message: str) -> None:
-    assert object_problems(thing, ground={}) == [message]
+def test_what_is_wrong(one_object: Data, message: str) -> None:
+    assert object_problems(one_object, ground={}) == [message]
 
 
 def test_a_mesh_in_the_ground() -> None:
@@ -86,11 +86,11 @@ def test_a_body_that_resists_no_turn() -> None:
 
 def test_the_lowest_point_of_what_is_round() -> None:
     tilted = geometry.rotation_from_rpy((0.7, 0.4, 0.2))
-    for thing in (PILL, ROUNDED_CUBE):
-        (shape,) = object_shapes.object_link(thing).shapes
+    for one_object in (PILL, ROUNDED_CUBE):
+        (shape,) = object_shapes.object_link(one_object).shapes
         below = min_height(shape, Pose((0.0, 0.0, 1.0), tilted))
         x, y, z = tilted[2]
-        if thing is PILL:
+        if one_object is PILL:
             assert below == pytest.approx(1 - 0.03 * abs(z) - 0.01)
         else:
             assert below == pytest.approx(1 - 0.025 * (abs(x) + abs(y) + abs(z)) - 0.005)

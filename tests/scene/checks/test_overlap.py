@@ -1,4 +1,4 @@
-"""What overlaps at the start: told with both names and the depth, before anything moves."""
+"""Overlaps at the start are reported with both names and the depth, before anything moves."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def test_a_scene_in_which_nothing_can_touch_asks_no_engine(
     assert loading.overlaps(document) == ()
 
 
-def test_without_an_engine_nothing_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_an_engine_no_overlap_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pybullet", None)
     assert overlap_messages(PALM, CUBE) == []
 

@@ -43,7 +43,7 @@ def test_a_pattern_that_matches_nothing(record: dict[str, Any], pattern: str, hi
     assert found == [(f"no column matches '{pattern}'", hint)]
 
 
-def test_the_ground_is_not_told_from_an_object_of_its_name() -> None:
+def test_an_object_must_not_be_called_ground_beside_columns_of_contacts() -> None:
     other = {**CUBE, "name": "ground", "position": [1, 0, 0.02]}
     message = "an object is called ground, as is the ground in columns of contacts"
     for record in ({"objects": ["contact_pairs"]}, {"events": True}):

@@ -1,4 +1,4 @@
-"""Faults of meaning in a scene; each list is the whole list. Their layout is in tests/cases."""
+"""Problems that the checks find in a scene; each list is complete. tests/cases has their text."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def drive_problems(**of_drive: Any) -> list[TextAndMessage]:
     return manipulator_problems(actuation=[{"actuator": 0, "axis": 0, **of_drive}])
 
 
-def test_nothing_is_said_of_a_sound_scene() -> None:
+def test_a_valid_scene_has_no_problems() -> None:
     assert manipulator_problems() == []
     assert (
         manipulator_problems(
@@ -51,7 +51,7 @@ def test_nothing_is_said_of_a_sound_scene() -> None:
     )
 
 
-def test_a_fault_in_a_definition_is_told_at_its_place() -> None:
+def test_a_problem_in_a_definition_is_reported_at_its_position() -> None:
     two_axes = manipulator(actuator(2, X, Y, planar_flag=1))
     assert [text for text, _ in manipulator_problems(definition=two_axes)] == [
         '"joint_definitions"'
@@ -211,7 +211,7 @@ def test_a_load_is_on_a_link_and_does_something() -> None:
     assert manipulator_problems(loads=[{**push, "link": "base"}], base="free") == []
 
 
-def test_waypoints_of_a_load_are_judged_like_those_of_a_torque() -> None:
+def test_waypoints_of_a_load_are_checked_like_those_of_a_torque() -> None:
     points = {"waypoints": [[0, 1], [0, 1], [2, 0.5]], "interpolation": "cubic", "repeat": True}
     messages = [
         message for _, message in manipulator_problems(loads=[{"force": [1, 0, 0], **points}])
@@ -253,7 +253,7 @@ def test_a_scene_is_no_definition() -> None:
     ]
 
 
-def test_all_faults_come_at_once_and_in_reading_order() -> None:
+def test_all_problems_come_at_once_and_in_reading_order() -> None:
     found = manipulator_problems(
         linear_velocity=[0, 0, 1],
         initial_angles=[0],
@@ -319,8 +319,8 @@ def test_no_value_at_all_makes_it_stumble(place: tuple[str | int, ...], value: o
     }
     data = json.loads(json.dumps({"all": sound}))
     at = data
-    *way, last = ("all", *place)
-    for step in way:
+    *outer, last = ("all", *place)
+    for step in outer:
         at = at[step]
     at[last] = value
     texts_and_messages(data["all"])

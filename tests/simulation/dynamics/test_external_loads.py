@@ -54,7 +54,7 @@ def test_a_load_is_the_force_of_its_link_at_its_point() -> None:
     assert both == pytest.approx(expected + turned, abs=1e-14)
 
 
-def test_a_load_follows_its_way_points() -> None:
+def test_a_load_follows_its_waypoints() -> None:
     points = {"waypoints": [[1, 0], [3, 2], [4, 0]]}
     ramp = acting({"force": [1, 0, 0], **points})
     whole = acting({"force": [1, 0, 0]}).force(0, ANGLES)
@@ -73,15 +73,15 @@ def test_only_what_does_not_act_is_steady() -> None:
     assert acting({"force": [1, 0, 0]}).constant_until(7) == 7
 
 
-def test_work_is_force_times_way_and_moment_times_angle() -> None:
+def test_work_is_force_times_displacement_and_moment_times_angle() -> None:
     chain = ChainDynamics(cantilever().manipulators[0].compiled.chain)
     loads = acting({"force": [1, 2, 3]}, {"moment": [4, 5, 6], "frame": "body"})
     # along the straight line from zero, by Gauss and Legendre
     points, weights = np.polynomial.legendre.leggauss(20)
     powers = [loads.force(0, 0.5 * (1 + point) * ANGLES)[6:].dot(ANGLES) for point in points]
-    way = chain.at(ANGLES, BASE).tip - chain.at(np.zeros(10), BASE).tip
+    path = chain.at(ANGLES, BASE).tip - chain.at(np.zeros(10), BASE).tip
     # the last link turns by the sum of the angles about the y axis that all joints share
-    exact = way @ [1, 2, 3] + 5 * ANGLES.sum()
+    exact = path @ [1, 2, 3] + 5 * ANGLES.sum()
     assert 0.5 * weights.dot(powers) == pytest.approx(exact, rel=1e-12)
 
 

@@ -68,11 +68,11 @@ def test_no_frame_depends_on_which_others_are_asked_for(chain: Chain) -> None:
     angles, at = angles_of(chain), bases(INSTANTS)
     poses = ForwardKinematics(chain)
 
-    def told(some: slice) -> list[np.ndarray]:
+    def reported(some: slice) -> list[np.ndarray]:
         positions, rotations = poses.frames(angles[:, some], frames_from_poses(at[some]))
         return [positions, rotations, quaternions(rotations)]
 
-    whole = told(slice(None))
+    whole = reported(slice(None))
     for first, last in ((0, 1), (1, 2), (3, 11), (5, 36), (30, INSTANTS)):
-        for part, all_of_them in zip(told(slice(first, last)), whole, strict=True):
+        for part, all_of_them in zip(reported(slice(first, last)), whole, strict=True):
             assert part.tolist() == all_of_them[..., first:last].tolist()

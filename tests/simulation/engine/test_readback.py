@@ -1,4 +1,4 @@
-"""Whatever the engine understood differently is told, number by number."""
+"""What the engine has read otherwise is reported, number by number."""
 
 from __future__ import annotations
 

@@ -194,12 +194,12 @@ def test_where_bodies_can_touch_corrections_are_held_for_fewer_steps_as_well() -
     scene = dataclasses.replace(scene_from_file("push_scene.yaml"), time_step=2e-3, every=50)
     held, reuse_steps = set(), LawStepper._reuse_steps
 
-    def told(law_stepper: LawStepper, change: np.ndarray, max_rate: float) -> int:
+    def reported(law_stepper: LawStepper, change: np.ndarray, max_rate: float) -> int:
         steps = reuse_steps(law_stepper, change, max_rate)
         held.add(steps)
         return steps
 
-    with patch.object(LawStepper, "_reuse_steps", told):
+    with patch.object(LawStepper, "_reuse_steps", reported):
         rows = np.array(rows_of(scene, 500))
     with patch.object(LawStepper, "_reuse_steps", lambda *_: 1):
         corrected = np.array(rows_of(scene, 500))

@@ -51,7 +51,7 @@ def test_what_would_pull_is_let_go() -> None:
     )
 
 
-def test_what_cannot_stick_slides_at_the_limit_against_its_way() -> None:
+def test_a_point_that_cannot_stick_slides_with_the_friction_limit_against_its_velocity() -> None:
     force = solved(problem(), STICKING, [-4.9, 0, 10], [1e-3, 0, 0], [1e-3, 0, 0])
     assert force == pytest.approx(np.array([-5, 0, 10]))
 

@@ -150,7 +150,7 @@ def test_the_limits_are_those_of_backward_euler() -> None:
     assert (damped, implicit) == pytest.approx((1e12, 1e12), rel=1e-9)
 
 
-def test_a_change_goes_on_but_for_what_a_blow_has_added() -> None:
+def test_a_change_is_extrapolated_without_what_an_impact_has_added() -> None:
     change = np.array([1.0, -1.0, 3.0, -3.0, 1.0, 1.0, 0.1])
     before = np.array([0.9, -2.0, 1.0, -1.0, -1.0, 0.0, 1.0])
     assert limited_change(change, before, 0.2).tolist() == [1.0, -1.0, 2.0, -2.0, 0.0, 0.0, 0.1]
@@ -158,7 +158,9 @@ def test_a_change_goes_on_but_for_what_a_blow_has_added() -> None:
 
 
 @pytest.mark.parametrize(("detects_impacts", "expected"), [(False, 20.0), (True, 2.0)])
-def test_bias_forces_go_on_with_no_blow(detects_impacts: bool, expected: float) -> None:
+def test_bias_forces_are_not_extrapolated_with_an_impact(
+    detects_impacts: bool, expected: float
+) -> None:
     law = SpringDamperLaw(JointSprings(np.ones(1), np.zeros(1), np.zeros(1)), H, "implicit")
     law.detects_impacts = detects_impacts
     law.refresh(np.ones((1, 1)))

@@ -82,5 +82,5 @@ def test_joints_pressed_on_their_limits_rest_there(base: str, integrator: str, s
     scene = dataclasses.replace(scene, time_step=step, integrator=integrator)
     angles = np.array(rows_of(scene, round(2 / step)))[:, 1:]
     assert angles.max() < 0.3 + 2e-3
-    # a free base that the blows have set turning makes its joints tremble a little
+    # a free base that the impacts have set turning makes its joints tremble a little
     assert angles[-1] == pytest.approx(0.3, abs=1e-6 if base == "static" else 1e-3)

@@ -65,8 +65,8 @@ def carried(
 @pytest.mark.parametrize("step", [1e-3, 4e-3])
 def test_it_is_where_its_path_says_and_what_lies_on_it_rides_along(step: float) -> None:
     # up to 0.75 m/s and below what friction can do
-    way = {"translation": [[0, 0, 0, 0], [1, 0.5, 0, 0.1]]}
-    found = carried(way, step, 1.2)
+    path = {"translation": [[0, 0, 0, 0], [1, 0.5, 0, 0.1]]}
+    found = carried(path, step, 1.2)
     s = np.minimum(np.arange(len(found["plate"])) * 0.02, 1)
     smooth = 3 * s**2 - 2 * s**3
     expected = np.outer(smooth, [0.5, 0, 0.1])
@@ -103,15 +103,15 @@ def test_what_lies_on_a_turning_plate_turns_with_it() -> None:
 @pytest.mark.parametrize("step", [5e-4, 2e-3])
 def test_what_is_pulled_away_too_fast_slips(step: float) -> None:
     # with 9 m/s at once friction pulls the cube along by μ g until the plate is gone
-    way = {"translation": [[0, 0, 0, 0], [1, 9, 0, 0]], "interpolation": "linear"}
-    found = carried(way, step, 0.02)
+    path = {"translation": [[0, 0, 0, 0], [1, 9, 0, 0]], "interpolation": "linear"}
+    found = carried(path, step, 0.02)
     pulled = found["cube"][-1, 0] - 0.05
     assert pulled == pytest.approx(0.5 * 0.5 * G * 0.02**2, rel=0.15)
 
 
 def test_it_passes_through_what_is_held_and_needs_no_mass() -> None:
-    way = {"translation": [[0, 0, 0, 0], [0.2, 0, 0, -0.5]]}
-    found = carried(way, 2e-3, 0.2, position=[0, 0, 0.3])
+    path = {"translation": [[0, 0, 0, 0], [0.2, 0, 0, -0.5]]}
+    found = carried(path, 2e-3, 0.2, position=[0, 0, 0.3])
     assert found["plate"][-1, 2] == pytest.approx(-0.2, abs=1e-12)
 
 

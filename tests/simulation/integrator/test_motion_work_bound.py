@@ -27,8 +27,8 @@ def plan_on_moved_base(motion: Data, *objects: Data, **of_scene: Any) -> Plan:
 
 def shaken(frequency: float, amplitude: float) -> Data:
     times = [n / (8 * frequency) for n in range(round(8 * frequency))]
-    ways = [amplitude * (1 - math.cos(2 * math.pi * frequency * time)) for time in times]
-    return {"translation": [[time, way, 0, 0] for time, way in zip(times, ways, strict=True)]}
+    paths = [amplitude * (1 - math.cos(2 * math.pi * frequency * time)) for time in times]
+    return {"translation": [[time, path, 0, 0] for time, path in zip(times, paths, strict=True)]}
 
 
 MOTIONS: dict[str, Data] = {
@@ -54,13 +54,13 @@ def test_a_lively_motion_is_no_divergence(name: str, step: float) -> None:
 @pytest.mark.parametrize("strokes", [1, 10])
 def test_nor_is_a_finger_that_is_pushed_or_hammered(strokes: int) -> None:
     pytest.importorskip("pybullet")
-    way = [[n / strokes, 0, -0.1 * (n % 2), 0] for n in range(strokes + 1)]
+    path = [[n / strokes, 0, -0.1 * (n % 2), 0] for n in range(strokes + 1)]
     plate = {
         "name": "plate",
         "shape_type": "box",
         "dimensions": [0.1, 0.02, 0.1],
         "position": [0, 0.1, 0.4],
-        "motion": {"translation": way},
+        "motion": {"translation": path},
     }
     rows_of(plan_on_moved_base({"translation": [[0, 0, 0, 0]]}, plate, time_step=2e-3), 500)
 
@@ -98,7 +98,7 @@ def test_in_the_frame_acceleration_pulls_and_a_turn_lets_fall() -> None:
     assert body.chain.length * weight < fallen < 1.5 * body.chain.length * weight
 
 
-def test_pushing_does_force_times_way_and_each_blow_more() -> None:
+def test_pushing_does_force_times_displacement_and_each_impact_more() -> None:
     plan = plan_on_moved_base({"translation": [[0, 0, 0, 0]]}, ground={"height": -9})
     one = MotionWorkBound(plan, plan.bodies[0].chain)
     mass = sum(link.inertial.mass for link in plan.bodies[0].chain.links)
@@ -106,9 +106,9 @@ def test_pushing_does_force_times_way_and_each_blow_more() -> None:
     assert one.contact_work((0, 0, 0, 0)) == 0
     for _ in range(2):
         one.advance(velocity(0, 0, 0, 2, 0, 0), velocity(0, 0, 0, 2, 0, 0))
-        way = 2 * plan.time_step
-        assert one.contact_work((3, 0, 4, 4)) == pytest.approx(9 * way + 2 * mass * 4)
+        path = 2 * plan.time_step
+        assert one.contact_work((3, 0, 4, 4)) == pytest.approx(9 * path + 2 * mass * 4)
         one.advance(velocity(0, 0, 0, 2, 0, 0), velocity(0, 0, 0, 2, 0, 0))
-        assert one.contact_work((3, 0, 4, 4)) == pytest.approx(9 * way)
+        assert one.contact_work((3, 0, 4, 4)) == pytest.approx(9 * path)
         assert one.contact_work((0, 0, 0, 0)) == 0
     assert not plan_on_moved_base({"translation": [[0, 0, 0, 0]]}).can_touch

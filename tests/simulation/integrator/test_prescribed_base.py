@@ -99,8 +99,8 @@ def test_the_joints_feel_it_as_in_mujoco(name: str) -> None:
 
 @pytest.mark.parametrize("integrator", ["implicit", "euler"])
 def test_who_moves_steadily_feels_nothing(integrator: str) -> None:
-    way = {"translation": [[0, 0, 0, 0], [1, 0.3, 0.4, 0]], "interpolation": "linear"}
-    moved = columns_until(finger(way, 1e-3, integrator), 0.5)
+    shift = {"translation": [[0, 0, 0, 0], [1, 0.3, 0.4, 0]], "interpolation": "linear"}
+    moved = columns_until(finger(shift, 1e-3, integrator), 0.5)
     still = columns_until(finger({"translation": [[0, 0, 0, 0]]}, 1e-3, integrator), 0.5)
     # to what it costs to hold the Coriolis correction while a body at rest moves slowly
     assert angles_in(moved) == pytest.approx(angles_in(still), abs=2e-6)
@@ -109,7 +109,7 @@ def test_who_moves_steadily_feels_nothing(integrator: str) -> None:
     assert kinetic[0] == pytest.approx(0.5 * mass * 0.5**2, rel=1e-6)
 
 
-def test_a_base_that_is_not_led_anywhere_is_one_that_is_held() -> None:
+def test_a_prescribed_base_at_rest_is_a_fixed_base() -> None:
     data = {"definition": "finger.yaml", "base": "constrained", "rpy": [0.5, 0, 0]}
     rows = []
     for one in (data, {**data, "motion": {"translation": [[0, 0, 0, 0]]}}):
@@ -195,11 +195,11 @@ def test_limits_and_dry_friction_in_a_shaken_frame() -> None:
 def test_a_base_goes_on_against_what_its_links_meet() -> None:
     # the base itself strikes a block of 10 kg, with two thousand newtons
     block = {"name": "block", "shape_type": "box", "dimensions": [0.1, 0.05, 0.2], "mass": 10}
-    way = {"translation": [[0, 0, 0, 0], [0.3, 0, 0.1, 0]]}
+    shift = {"translation": [[0, 0, 0, 0], [0.3, 0, 0.1, 0]]}
     one = {"definition": "finger.yaml", "base": "constrained", "position": [0, 0, 0.01]}
     data = {
         "ground": {},
-        "manipulators": [{**one, "motion": way}],
+        "manipulators": [{**one, "motion": shift}],
         "objects": [{**block, "position": [0, 0.06, 0], "place": {"on": "ground"}}],
         "record": {"columns": ["base_pose", "contact_force"]},
     }

@@ -28,9 +28,9 @@ def pressing(first: LinkIndex, second: LinkIndex, force: float, x: float = 0.0) 
 
 def events_of(*steps: list[ContactPoint]) -> list[ContactEvent]:
     found: list[ContactEvent] = []
-    watch = ContactMonitor(STEP, found.append)
+    monitor = ContactMonitor(STEP, found.append)
     for number, touches in enumerate(steps, start=1):
-        watch.update(number, touches)
+        monitor.update(number, touches)
     return found
 
 
@@ -53,8 +53,8 @@ def test_several_points_are_one_contact_in_their_middle() -> None:
 def test_contacts_come_in_the_order_of_their_links_whatever_the_engine_says() -> None:
     pairs = [((0, 1), (1, 0)), ((0, 2), (1, 0)), ((0, 2), (2, 0)), ((1, 0), (2, 0))]
     touches = [pressing(*pair, 1) for pair in pairs]
-    for told in (touches, touches[::-1]):
-        found = events_of(told, [], told)
+    for reported in (touches, touches[::-1]):
+        found = events_of(reported, [], reported)
         assert [(one.step, one.kind) for one in found] == [
             *((1, "begin"),) * 4,
             *((2, "end"),) * 4,

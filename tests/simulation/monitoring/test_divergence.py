@@ -168,7 +168,7 @@ def test_without_damping_the_advice_is_two_over_the_highest_frequency() -> None:
 
 @pytest.mark.parametrize("every", [1, 1000])
 @pytest.mark.parametrize("factor", [1.02, 1.1, 2.0, 10.0, 1e3])
-def test_the_alarm_comes_while_numbers_still_mean_something(
+def test_divergence_is_reported_while_angles_are_below_a_turn(
     largest: float, factor: float, every: int
 ) -> None:
     plan = explicit(factor * largest, every)
@@ -180,7 +180,9 @@ def test_the_alarm_comes_while_numbers_still_mean_something(
 
 
 @pytest.mark.parametrize("factor", [1.1, 2.0, 1e2])
-def test_the_alarm_comes_within_few_steps_of_the_growth(largest: float, factor: float) -> None:
+def test_divergence_is_reported_within_few_steps_of_the_growth(
+    largest: float, factor: float
+) -> None:
     """Energy, worked out from the rows, is nowhere beyond the bound; soon after, it would be."""
     plan = explicit(factor * largest)
     error, rows = diverged(plan, 20_000)
@@ -195,7 +197,7 @@ def test_the_alarm_comes_within_few_steps_of_the_growth(largest: float, factor: 
     assert max(energies) < 1.5 * divergence.MAX_ENERGY_RATIO_EXPLICIT * energies[0]
 
 
-def test_what_explicit_stores_near_its_limit_is_no_alarm() -> None:
+def test_the_energy_of_a_stable_explicit_run_near_its_limit_is_no_divergence() -> None:
     """A mode at 0.95 of its limit has up to (1 + x) / (1 - x) = 39 times its energy in turn."""
     # 4 I - 2 h d - h² k = 0 of the hinge of the tests of physics
     largest = (-0.5 + math.sqrt(0.25 + 4 * pendulum.PENDULUM_INERTIA * 50)) / 50
@@ -278,7 +280,7 @@ def test_energy_of_one_body_may_come_from_another() -> None:
     divergence.check(1, plan, [first, struck])
 
 
-def test_small_motion_is_never_called_divergence() -> None:
+def test_small_motion_is_never_reported_as_divergence() -> None:
     plan = plan_of_hinges(1)
     one = moving(plan, [0.0])
     angles = np.array([HINGE_NEUTRAL + 0.5 * SMALL_ANGLE])
@@ -299,7 +301,7 @@ PULSE = "interpolation: step, waypoints: [[0, 0], [{}, {}], [{}, 0]]"
         "loads=[{{link: tip, force: [0.3, 0, 0], {}}}]",
     ],
 )
-def test_what_a_pulse_between_two_looks_puts_in_is_counted(
+def test_the_work_of_a_pulse_between_two_checks_is_counted(
     pulse: str, start: float, every: int
 ) -> None:
     factor = 0.3 if "actuation" in pulse else 1.0
@@ -315,10 +317,12 @@ def test_what_a_pulse_between_two_looks_puts_in_is_counted(
         assert max(map(abs, rows[-1])) > 1e-3
 
 
-def test_a_pulse_that_is_not_counted_would_be_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_work_that_is_not_counted_would_be_reported_as_divergence(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(BodyEnergy, "add_work", lambda energy, work: None)
     with pytest.raises(SimulationDiverged):
-        test_what_a_pulse_between_two_looks_puts_in_is_counted(
+        test_the_work_of_a_pulse_between_two_checks_is_counted(
             "actuation=[{{actuator: 0, axis: 0, {}}}]", 0.0005, 1
         )
 

@@ -29,18 +29,18 @@ def plan_with_plate(step: float = 1e-3) -> Plan:
 def test_the_deepest_relative_to_the_thinner_one_is_kept() -> None:
     plan = plan_with_plate()
     world = FakeWorld(plan)
-    watch = PenetrationMonitor(plan, world)
-    watch.update(0)
-    assert watch.deepest is None
+    monitor = PenetrationMonitor(plan, world)
+    monitor.update(0)
+    assert monitor.deepest is None
     world.depths = [((0, 1), (2, 0), 0.02), ((0, 1), (1, 0), 0.012)]
-    watch.update(8)
+    monitor.update(8)
     world.depths = [((0, 1), (2, 0), 0.03)]
-    watch.update(16)
+    monitor.update(16)
     # 0.012 engine units are 0.6 mm, of the plate's 4; 1.5 mm of the link's 17 are less
-    assert watch.deepest == Penetration(
+    assert monitor.deepest == Penetration(
         0.008, pytest.approx(6e-4), pytest.approx(0.15), ("body", "plate")
     )
-    assert not watch.deepest.is_deep
+    assert not monitor.deepest.is_deep
     assert Penetration(0.0, 1e-3, 0.25, ("a", "b")).is_deep
 
 
@@ -72,7 +72,7 @@ def test_a_deep_penetration_is_a_finding() -> None:
 @pytest.mark.parametrize(
     ("step", "count"), [(1e-4, 8), (1e-3, 8), (2e-3, 4), (5e-3, 1), (1e-2, 1), (1, 1)]
 )
-def test_looks_are_at_most_8_ms_apart(step: float, count: int) -> None:
+def test_penetration_is_sampled_at_least_every_8_ms(step: float, count: int) -> None:
     assert steps_between_samples(step, 8) == count
 
 

@@ -137,6 +137,6 @@ def test_a_cube_slides_until_it_rests() -> None:
     assert rows[-1][1] == pytest.approx(0.25 / (2 * 0.5 * G), rel=1e-3)
 
 
-def test_a_plan_without_conditions_looks_at_nothing() -> None:
+def test_a_plan_without_conditions_reads_no_state() -> None:
     plan = make_plan(scene_from_text(json.dumps(scene_of_objects(CUBE))))
     assert (plan.stop_conditions, plan.records_last_step) == ((), False)

@@ -177,14 +177,14 @@ def test_poses_are_those_of_the_engine(scale: float) -> None:
         }
         tip_in_world = None
         for link in plan.bodies[0].chain.links[1:]:
-            told = bullet.getLinkState(index, names[link.name], 0, 1, client)
-            # the engine tells frames in single precision
-            position = np.array(told[4]) / scale
+            reported = bullet.getLinkState(index, names[link.name], 0, 1, client)
+            # the engine returns frames in single precision
+            position = np.array(reported[4]) / scale
             ours = [found[f"a.{link.name}.{one}_m"] for one in "xyz"]
             assert ours == pytest.approx(position, abs=1e-6)
             turn = [found[f"a.{link.name}.{one}"] for one in ("qx", "qy", "qz", "qw")]
-            assert abs(np.dot(turn, told[5])) == pytest.approx(1.0, abs=1e-6)
-            rotation = np.reshape(bullet.getMatrixFromQuaternion(told[5]), (3, 3))
+            assert abs(np.dot(turn, reported[5])) == pytest.approx(1.0, abs=1e-6)
+            rotation = np.reshape(bullet.getMatrixFromQuaternion(reported[5]), (3, 3))
             tip_in_world = position + rotation @ np.array(plan.bodies[0].chain.tip) / scale
         assert [found[f"a.tip.{one}_m"] for one in "xyz"] == pytest.approx(tip_in_world, abs=1e-6)
         assert [found[f"a.base.{one}_m"] for one in "xyz"] == pytest.approx([0.1, -0.2, 0.3])

@@ -48,7 +48,7 @@ def test_the_names_of_pairs_and_links() -> None:
     ]
 
 
-def test_friction_on_what_slides_is_against_its_way_and_changes_its_momentum() -> None:
+def test_sliding_friction_is_against_the_velocity_and_changes_the_momentum() -> None:
     # whatever was loaded first: the upper cube slides on the lower one, which slides on the ground
     lower = {**CUBE, "name": "lower", "mass": 0.03}
     upper = {**CUBE, "position": [0, 0, 0.06], "linear_velocity": [0.4, 0.1, 0]}
@@ -93,7 +93,7 @@ def test_the_forces_of_a_grasp_add_up() -> None:
         sign = 1 if one in ("normal_n", "friction_n") else -1
         there, back = found[f"finger.contact.cube.{one}"], found[f"cube.contact.finger.{one}"]
         assert there == pytest.approx(sign * back, abs=1e-9)
-    assert found["cube.contact.finger.fy_n"].max() > 0.01  # it pushes that way
+    assert found["cube.contact.finger.fy_n"].max() > 0.01  # it pushes towards +y
     assert found["cube.contact.ground.friction_y_n"].min() < -0.01  # and the ground against it
     # within the pyramid of friction: 0.5 times 0.5 along each of two directions
     ground = found["cube.contact.ground.friction_n"]

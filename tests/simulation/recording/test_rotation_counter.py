@@ -46,8 +46,8 @@ def test_an_axis_round_a_cone_adds_the_angle_of_the_cone() -> None:
     # same, the solid angle 2π(1 - cos lean)
     lean, count = 0.5, 4000
     poses = [
-        geometry.rotation_about((math.cos(way), math.sin(way), 0.0), lean)
-        for way in (2 * math.pi * step / count for step in range(count + 1))
+        geometry.rotation_about((math.cos(path), math.sin(path), 0.0), lean)
+        for path in (2 * math.pi * step / count for step in range(count + 1))
     ]
     counter = RotationCounter(poses[0])
     for pose in poses:

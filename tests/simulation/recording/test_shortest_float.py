@@ -57,12 +57,12 @@ def test_any_numbers(name: str) -> None:
 
 
 def test_most_numbers_need_no_repr(monkeypatch: pytest.MonkeyPatch) -> None:
-    told: list[float] = []
+    reported: list[float] = []
     monkeypatch.setattr(
-        shortest_float, "repr", lambda value: told.append(value) or repr(value), raising=False
+        shortest_float, "repr", lambda value: reported.append(value) or repr(value), raising=False
     )
     assert_as_repr(sets_of_numbers()["of order one"])
-    assert len(told) < 1e-4 * COUNT
+    assert len(reported) < 1e-4 * COUNT
 
 
 @pytest.mark.parametrize("shape", [(0, 3), (2, 0)])

@@ -1,4 +1,4 @@
-"""Engines of one process are told apart without a number at every call."""
+"""Engines of one process are separate without a number at every call."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the engine is told of surfaces, and what it makes of it."""
+"""Parameters of surfaces in the engine, and the motion that follows."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ pytest.importorskip("pybullet")
 BALL = {**surfaces.BALL, "name": "ball"}
 
 
-def test_what_a_surface_does_not_have_is_not_told() -> None:
+def test_the_engine_gets_only_the_properties_that_a_surface_has() -> None:
     assert surface_settings(ContactSurface(0.5)) == {"lateralFriction": 0.5}
     assert surface_settings(ContactSurface(0.0, 1e-3, 2e-3, 0.5, ContactCompliance(7.0, 0.0))) == {
         "lateralFriction": 0.0,
@@ -161,5 +161,5 @@ def test_every_link_has_the_friction_asked_for() -> None:
     bullet = pytest.importorskip("pybullet")
     with BulletWorld(plan) as world:
         body, client = world.bodies[0], world.engine.number
-        told = [bullet.getDynamicsInfo(body.index, link, client) for link in body.links]
-    assert [(one[1], one[5]) for one in told] == [(2.0, 0.1)] * 3
+        reported = [bullet.getDynamicsInfo(body.index, link, client) for link in body.links]
+    assert [(one[1], one[5]) for one in reported] == [(2.0, 0.1)] * 3

@@ -19,7 +19,7 @@ CUBE = {"name": "cube", "position": [0, 0, 0.02], "linear_velocity": [0.5, 0, 0]
 
 
 @pytest.mark.parametrize("degrees", [0, 20, 45, 90, 200])
-def test_what_slides_askew_goes_the_way_of_the_law(degrees: int) -> None:
+def test_oblique_sliding_follows_the_anisotropic_law(degrees: int) -> None:
     errors = [surfaces.slid(math.radians(degrees), step) for step in (2e-3, 1e-3)]
     assert errors[1] < 5.5e-4
     assert errors[0] / errors[1] == pytest.approx(2, rel=0.1)
@@ -76,9 +76,9 @@ def test_a_chain_slides_by_the_axes_of_its_links(yaw: float) -> None:
         }
         scene = {"ground": {}, "manipulators": [one], "record": {"columns": ["base_pose"]}}
         row = rows_of(scene_from_text(json.dumps(scene)), 100)[-1]
-        way = math.hypot(row[1], row[2])
+        path = math.hypot(row[1], row[2])
         time = min(0.1, 0.5 / (0.5 * factor * 9.81))
-        assert way == pytest.approx(0.5 * time - 0.5 * factor * 9.81 * time**2 / 2, abs=7e-4)
+        assert path == pytest.approx(0.5 * time - 0.5 * factor * 9.81 * time**2 / 2, abs=7e-4)
 
 
 def test_the_same_bytes_twice() -> None:

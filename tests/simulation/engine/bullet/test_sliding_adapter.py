@@ -39,7 +39,7 @@ def test_the_error_goes_with_the_step() -> None:
 def test_a_chain_of_links_stops_where_it_should() -> None:
     heading, speed, friction, step = 0.9, 1.0, 0.35, 1e-3
     body = actuator(6, hinge(1, 0, 0, spring_stiffness=10, spring_damping=0.1), link=BLOCK)
-    way = speed**2 / (2 * friction * G)
+    path = speed**2 / (2 * friction * G)
     last = round(1.2 * speed / (friction * G) / step)
     plan = make_plan(
         scene_from_text(
@@ -72,8 +72,8 @@ def test_a_chain_of_links_stops_where_it_should() -> None:
         np.mean([b - a for a, b, name in zip(first, end, head, strict=True) if name.endswith(axis)])
         for axis in (".x_m", ".y_m")
     )
-    assert x * math.cos(heading) + y * math.sin(heading) == pytest.approx(way, rel=5e-3)
-    assert y * math.cos(heading) - x * math.sin(heading) == pytest.approx(0, abs=5e-3 * way)
+    assert x * math.cos(heading) + y * math.sin(heading) == pytest.approx(path, rel=5e-3)
+    assert y * math.cos(heading) - x * math.sin(heading) == pytest.approx(0, abs=5e-3 * path)
 
 
 def test_the_friction_that_is_reported_has_its_limit_and_points_against_the_slip() -> None:

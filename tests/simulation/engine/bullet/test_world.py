@@ -86,8 +86,8 @@ def test_worlds_of_the_same_names_are_not_mistaken() -> None:
         plan = plan_of_manipulators({"definition": manipulator(actuator(1, X), tip_definition=tip)})
         with BulletWorld(plan) as world:
             engine: Any = world.bodies[0]
-            told = engine.engine.getDynamicsInfo(engine.index, 0)
-            assert told[0] == pytest.approx(mass + 0.0015)
+            reported = engine.engine.getDynamicsInfo(engine.index, 0)
+            assert reported[0] == pytest.approx(mass + 0.0015)
 
 
 def test_the_world_is_left_also_after_an_error() -> None:
@@ -109,7 +109,7 @@ def test_a_world_is_entered_before_it_is_stepped() -> None:
         BulletWorld(askew("static")).step()
 
 
-def test_a_missing_engine_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_engine_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pybullet", None)
     with pytest.raises(EngineMissing, match=r"PyBullet, is not installed"):
         BulletWorld(askew("static")).__enter__()
@@ -156,7 +156,7 @@ def test_a_decimal_comma_changes_nothing() -> None:
 
 
 @pytest.mark.parametrize("text", ["<robot", "<robot name='a'/>", "nothing"])
-def test_what_the_engine_says_of_a_file_it_cannot_read_is_told(
+def test_the_message_of_the_engine_on_an_unreadable_file_is_reported(
     text: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
     plan = askew("static")
@@ -180,7 +180,7 @@ def test_an_impossible_inertia_is_refused(moments: list[float]) -> None:
         BulletWorld(plan).__enter__()
 
 
-def test_joints_that_are_missing_are_told() -> None:
+def test_missing_joints_are_reported() -> None:
     plan = askew("static")
     body = dataclasses.replace(plan.bodies[0], urdf=plan.bodies[0].urdf.replace("_joint_02", "_x"))
     with pytest.raises(EngineRefused, match=r"missing \['actuator_0_joint_02'"):
@@ -301,12 +301,12 @@ def test_the_mass_matrix_is_what_torques_meet(base: str, error: float, size: flo
 
 
 def difference_of_bias(base: str, seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return what the bias forces differ by between two motions, as told and as the engine does."""
+    """Return the difference of bias forces of two motions, as computed and in the engine's step."""
     random = np.random.default_rng(seed)
     plan = askew(base)
     angles = bent(plan.bodies[0].chain)
     n = len(angles)
-    told, done = [], []
+    reported, done = [], []
     with BulletWorld(plan) as world:
         body = world.bodies[0]
         for _ in range(2):
@@ -315,33 +315,33 @@ def difference_of_bias(base: str, seed: int) -> tuple[np.ndarray, np.ndarray]:
             velocity = (tuple(linear), tuple(spin)) if base == "free" else None
             body.reset(angles, rates.tolist(), velocity)
             mass = body.mass_matrix(angles)
-            told.append(
+            reported.append(
                 body.equivalent_joint_torques(body.bias(angles, rates.tolist(), spin.tolist()))
             )
             world.step()
             done.append(-mass @ (rates_of(body) - rates) / STEP)
-    return told[1] - told[0], done[1] - done[0]
+    return reported[1] - reported[0], done[1] - done[0]
 
 
 @pytest.mark.parametrize("base", ["static", "free"])
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_bias_forces_are_those_that_slow_the_joints(base: str, seed: int) -> None:
-    told, done = difference_of_bias(base, seed)
+    reported, done = difference_of_bias(base, seed)
     assert np.abs(done).max() > 1e-4
-    assert np.allclose(told, done, rtol=0, atol=1e-9 * np.abs(done).max())
+    assert np.allclose(reported, done, rtol=0, atol=1e-9 * np.abs(done).max())
 
 
 def test_a_held_base_has_the_bias_forces_of_a_static_one() -> None:
-    told = []
+    reported = []
     for base in ("static", "constrained"):
         plan = plan_of_manipulators({"definition": ASKEW, "base": base})
         angles = bent(plan.bodies[0].chain)
         rates = np.random.default_rng(5).normal(size=(2, len(angles)))
         with BulletWorld(plan) as world:
             a, b = (world.bodies[0].bias(angles, one.tolist()) for one in rates)
-        told.append(b - a)
-    assert np.abs(told[0]).max() > 1e-5
-    assert np.allclose(told[0], told[1], rtol=0, atol=1e-12)
+        reported.append(b - a)
+    assert np.abs(reported[0]).max() > 1e-5
+    assert np.allclose(reported[0], reported[1], rtol=0, atol=1e-12)
 
 
 def test_bias_forces_and_a_push_of_the_base_leave_every_velocity_as_it_is() -> None:
@@ -515,14 +515,14 @@ def test_motors_that_are_idle_leave_dry_friction_alone() -> None:
     scene = scene_from_text(
         json.dumps({"manipulators": [{"definition": manipulator(actuator(2, rubbing, X))}]})
     )
-    told = []
+    reported = []
     for is_whole in (False, True):
         with BulletWorld(make_plan(scene, is_whole)) as world:
             body = world.bodies[0]
             body.reset([0.0, 0.0], [100.0, 100.0])
             world.step()
-            told.append([abs(state[3]) for state in body.joint_states()])
-    assert told == [[pytest.approx(0.01), 0.0], [pytest.approx(0.01), ZERO_EFFECT_TORQUE]]
+            reported.append([abs(state[3]) for state in body.joint_states()])
+    assert reported == [[pytest.approx(0.01), 0.0], [pytest.approx(0.01), ZERO_EFFECT_TORQUE]]
 
 
 @pytest.mark.parametrize(("mass", "is_refused"), [(1e-12, False), (1e-13, True)])
@@ -549,5 +549,5 @@ def test_the_solver_takes_fewer_iterations_where_many_points_touch() -> None:
         for many in (17, 17, 3):
             world._contact_count = many
             world.adapt_solver_iterations()
-            told = world.engine.getPhysicsEngineParameters()
-            assert told["numSolverIterations"] == collision_filter.iteration_limit(many)
+            reported = world.engine.getPhysicsEngineParameters()
+            assert reported["numSolverIterations"] == collision_filter.iteration_limit(many)
