@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.conftest import Somo
+from tests.builders.command import Somo
 
 DEFINITIONS = Path(__file__).parents[1] / "definitions"
 

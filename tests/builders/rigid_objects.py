@@ -10,6 +10,7 @@ import pytest
 
 from somo_cli.scene import columns
 from somo_cli.simulation.plan.build import make_plan
+from somo_cli.simulation.plan.model import Plan
 from tests.builders.definitions import Data, X, actuator, manipulator
 from tests.builders.runs import rows_of
 from tests.builders.scene_problems import messages_of
@@ -73,3 +74,11 @@ SCALES = pytest.mark.parametrize("scale", [1, 20])
 def slop(scale: float) -> float:
     """How deep the engine lets everything sink in: 10 µm in engine units, and 1e-5 of that."""
     return 1.00001e-5 / scale
+
+
+def plan_with_plate(step: float = 1e-3) -> Plan:
+    """Return a plan of a body at world scale 20 and a plate of 4 mm, with ground far below."""
+    plate = {"name": "plate", "shape_type": "box", "dimensions": [0.1, 0.1, 0.004], "fixed": True}
+    one = {"definition": manipulator(actuator(1, X), world_scale=20)}
+    data = {"time_step": step, "manipulators": [one], "objects": [plate], "ground": {"height": -9}}
+    return make_plan(scene_from_text(json.dumps(data)))

@@ -14,7 +14,7 @@ from somo_cli.simulation.integrator.body_stepper import BodyStepper
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.session import Session
-from tests.loading import scene_from_text
+from tests.builders.scenes import scene_from_text
 
 pytest.importorskip("pybullet")
 

@@ -15,7 +15,8 @@ from somo_cli.simulation.engine.interface import World
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.run import run
-from tests.loading import rows_of, scene_from_file, scene_from_text
+from tests.builders.runs import rows_of
+from tests.builders.scenes import scene_from_file, scene_from_text
 from tests.simulation.engine.guarded_world import Guarded, GuardedWorld, Use, all_members
 
 pytest.importorskip("pybullet")

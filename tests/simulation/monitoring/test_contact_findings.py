@@ -8,9 +8,10 @@ import pytest
 
 from somo_cli.simulation.integrator import contact_prediction
 from somo_cli.simulation.monitoring.findings import Finding
+from tests.builders.definitions import X, actuator, manipulator
+from tests.builders.runs import simulated
+from tests.builders.scenes import scene_from_text
 from tests.grasp.cases import Grasp
-from tests.loading import scene_from_text, simulated
-from tests.manipulator.bodies import X, actuator, manipulator
 
 
 def thrown(speed: float, step: float, distance: float = 0.0) -> tuple[Finding, ...]:

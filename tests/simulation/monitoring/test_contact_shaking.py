@@ -9,7 +9,7 @@ import pytest
 
 from somo_cli.simulation.monitoring.contact_shaking import ContactShakingMonitor
 from somo_cli.simulation.plan.model import Plan
-from tests.simulation.monitoring.test_penetration import plan_with_plate
+from tests.builders.rigid_objects import plan_with_plate
 
 INTERVAL = 8  # steps between two checks
 STEP = 1e-3

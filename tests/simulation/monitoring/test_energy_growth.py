@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from somo_cli.simulation.monitoring.energy_growth import EnergyGrowthMonitor, Ledger
 from somo_cli.simulation.monitoring.findings import Finding
-from tests.simulation.monitoring.test_penetration import plan_with_plate
+from tests.builders.rigid_objects import plan_with_plate
 
 
 def found(ledgers: Sequence[tuple[float, float, float]], floor: float = 0.0) -> Finding | None:

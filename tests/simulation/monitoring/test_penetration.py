@@ -10,20 +10,11 @@ from somo_cli.simulation.monitoring.penetration import (
     PenetrationMonitor,
     steps_between_samples,
 )
-from somo_cli.simulation.plan.build import make_plan
-from somo_cli.simulation.plan.model import Plan
 from tests.builders.definitions import X, actuator, manipulator
 from tests.builders.fake_world import FakeWorld, plan_of_hinges
+from tests.builders.rigid_objects import plan_with_plate
 from tests.builders.runs import simulated
 from tests.builders.scenes import scene_from_text
-
-
-def plan_with_plate(step: float = 1e-3) -> Plan:
-    """A body at world scale 20 and a plate of 4 mm, with ground far below."""
-    plate = {"name": "plate", "shape_type": "box", "dimensions": [0.1, 0.1, 0.004], "fixed": True}
-    one = {"definition": manipulator(actuator(1, X), world_scale=20)}
-    data = {"time_step": step, "manipulators": [one], "objects": [plate], "ground": {"height": -9}}
-    return make_plan(scene_from_text(json.dumps(data)))
 
 
 def test_the_deepest_relative_to_the_thinner_one_is_kept() -> None:
