@@ -6,7 +6,7 @@ Facts about PyBullet 3.2.7 that the code below depends on stand beside the lines
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 from types import TracebackType
@@ -18,16 +18,12 @@ from somo_cli.simulation.engine.bullet.body import BulletBody
 from somo_cli.simulation.engine.bullet.c_stdio import captured_output, decimal_points
 from somo_cli.simulation.engine.bullet.client import BulletClient
 from somo_cli.simulation.engine.bullet.contact_reader import BulletContactReader
+from somo_cli.simulation.engine.bullet.contact_report import ContactReport
 from somo_cli.simulation.engine.bullet.kinematic import KinematicObject, PrescribedBody
-from somo_cli.simulation.engine.bullet.last_contacts import NORMAL_FORCE, LastContacts
+from somo_cli.simulation.engine.bullet.last_contacts import EngineLinkId, LastContacts
 from somo_cli.simulation.engine.bullet.rigid_object import BulletObject
 from somo_cli.simulation.engine.bullet.step_corrections import StepCorrections
-from somo_cli.simulation.engine.contacts import (
-    BodyPair,
-    ContactPoint,
-    LinkIndex,
-    friction_contact,
-)
+from somo_cli.simulation.engine.contacts import BodyPair, ContactPoint, LinkIndex
 from somo_cli.simulation.plan.model import Plan
 
 GROUND_HALF_WIDTH = 1000.0  # engine units, from the origin
@@ -46,14 +42,9 @@ class BulletWorld:
         self.bodies: list[BulletBody] = []
         self.objects: list[BulletObject] = []
         self.step: Callable[[], object] = self._raise_not_entered
-        self._link_indices: dict[
-            tuple[int, int], LinkIndex
-        ] = {}  # of the engine's bodies and links
-        self._body_numbers: dict[int, int] = {}  # of the engine's bodies
+        self._report: ContactReport
         self._ground_indices: list[int] = []
-        self._contact_count = 0  # points, at the last check of contact
         self._iterations = collision_filter.MAX_ITERATIONS
-        self._corrections: StepCorrections | None = None
 
     def __enter__(self) -> BulletWorld:
         """Load every body. What the engine prints meanwhile is in the error, if it refuses one."""
@@ -93,58 +84,23 @@ class BulletWorld:
 
     def contact_points(self) -> list[ContactPoint]:
         """Return every contact point of the last step, in the engine's order, then what is ours."""
-        places = self._link_indices
-        found = [
-            ContactPoint(
-                places[one.first_body, one.first_link],
-                places[one.second_body, one.second_link],
-                one.on_first,
-                one.normal,
-                one.normal_force,
-                ((one.tangent_1, one.friction_1), (one.tangent_2, one.friction_2)),
-            )
-            for one in self.contacts.points()
-        ]
-        if self._corrections is not None:
-            for key, point, force in self._corrections.applied:
-                found.append(friction_contact(places[key[:2]], places[key[2:]], point, force))
-        return found
+        return self._report.contact_points()
 
     def penetrations(self) -> list[tuple[LinkIndex, LinkIndex, float]]:
         """Return which parts were how deep in each other in the last step; depths above 0 only."""
-        places = self._link_indices
-        reported = self.contacts.points()
-        self._contact_count = len(reported)
-        if self._corrections is not None:
-            self._corrections.check(reported)
-        return [
-            (
-                places[one.first_body, one.first_link],
-                places[one.second_body, one.second_link],
-                -one.gap,
-            )
-            for one in reported
-            if one.gap < 0
-        ]
+        return self._report.penetrations()
 
     def normal_forces(self) -> dict[BodyPair, float]:
         """Return the sum of normal forces between each two bodies that pressed in the last step."""
-        numbers, found = self._body_numbers, dict[BodyPair, float]()
-        for point in self.contacts.reported():
-            force = point[NORMAL_FORCE]
-            if force > 0:
-                a, b = numbers[point[1]], numbers[point[2]]
-                pair = (a, b) if a <= b else (b, a)
-                found[pair] = found.get(pair, 0.0) + force
-        return found
+        return self._report.normal_forces()
 
     def contact_reader(self) -> BulletContactReader:
         """Return what reads the contact points that press."""
-        return BulletContactReader(self.engine, self.contacts, self._plan, self._link_indices)
+        return BulletContactReader(self.engine, self.contacts, self._plan, self._report.places)
 
     def adapt_solver_iterations(self) -> None:
         """Let the solver take as many iterations as pay with what `penetrations` saw last."""
-        iterations = collision_filter.iteration_limit(self._contact_count)
+        iterations = collision_filter.iteration_limit(self._report.count)
         if iterations != self._iterations:
             self._iterations = iterations
             self.engine.setPhysicsEngineParameter(numSolverIterations=iterations)
@@ -216,21 +172,21 @@ class BulletWorld:
         ground = None if self._plan.ground is None else self._add_ground(self._plan.ground)
         self._ground_indices = [] if ground is None else [ground]
         self._disable_fixed_collisions()
-        self._index_links()
-        self._corrections = StepCorrections(
+        corrections = StepCorrections(
             self.engine, self.contacts, self._plan, self.bodies, self.objects, ground
         )
-        self.step = self._corrections.before(self.step)
+        self.step = corrections.before(self.step)
+        self._report = ContactReport(self.contacts, corrections, dict(self._places()))
 
-    def _index_links(self) -> None:
+    def _places(self) -> Iterator[tuple[EngineLinkId, LinkIndex]]:
+        """Yield every link as the engine numbers it, and as the plan does."""
         for number, body in enumerate(self.bodies):
             for place, link in enumerate(body.links):
-                self._link_indices[body.index, link] = (number, place)
+                yield (body.index, link), (number, place)
         others = [rigid_object.index for rigid_object in self.objects] + self._ground_indices
         for number, index in enumerate(others, start=len(self.bodies)):
             for link in range(-1, self.engine.getNumJoints(index)):
-                self._link_indices[index, link] = (number, 0)
-        self._body_numbers = {body: number for (body, _), (number, _) in self._link_indices.items()}
+                yield (index, link), (number, 0)
 
     def _disable_fixed_collisions(self) -> None:
         bases: dict[str, list[int]] = {"constrained": [], "static": [], "free": []}

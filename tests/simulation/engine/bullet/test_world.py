@@ -547,7 +547,7 @@ def test_the_solver_takes_fewer_iterations_where_many_points_touch() -> None:
     one = {"definition": manipulator(actuator(2, X))}
     with BulletWorld(plan_of_manipulators(one, ground={"height": -9})) as world:
         for many in (17, 17, 3):
-            world._contact_count = many
+            world._report.count = many
             world.adapt_solver_iterations()
             reported = world.engine.getPhysicsEngineParameters()
             assert reported["numSolverIterations"] == collision_filter.iteration_limit(many)
