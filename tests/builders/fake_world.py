@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from typing import Any
 
 import numpy as np
@@ -132,8 +132,17 @@ class NothingNear:
 
     recovery = 0.0
 
-    def pressing(self) -> PressingForces | None:
+    def pressing(self) -> Sequence[Hashable] | None:
         return None
+
+    def pairs(self) -> Sequence[Pair]:
+        raise AssertionError("nothing presses")
+
+    def follow(self, kept: Sequence[int]) -> None:
+        raise AssertionError("nothing presses")
+
+    def forces(self) -> PressingForces:
+        raise AssertionError("nothing presses")
 
     def points(self) -> PressingPoints:
         raise AssertionError("nothing presses")

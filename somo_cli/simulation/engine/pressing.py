@@ -25,13 +25,11 @@ class ContactPair:
 
 
 class PressingForces(NamedTuple):
-    """What presses in the last step, at m points, in the world and in engine units."""
+    """How m points pressed in the last step, in the world and in engine units."""
 
-    keys: Sequence[Hashable]
-    """Which links touch at each point, as the engine numbers them."""
-    forces: Sequence[float]
+    forces: list[float]
     """The forces on the first sides, friction included: 3 m numbers."""
-    gaps: Sequence[float]
+    gaps: list[float]
     """Gaps at the start of the last step, as the engine counts them; negative in an overlap."""
     is_sliding: Sequence[bool]
     """Whether friction is at its limit."""
@@ -56,11 +54,23 @@ class ContactReader(Protocol):
     recovery: float
     """Share of an overlap of rigid parts that the engine undoes in a step."""
 
-    def pressing(self) -> PressingForces | None:
-        """Return what pressed in the last step, None where nothing is near anything."""
+    def pressing(self) -> Sequence[Hashable] | None:
+        """Return which links pressed at each point in the last step, None where nothing is near."""
+
+    def pairs(self) -> Sequence[Pair]:
+        """Return the places of each point that `pressing` returned last."""
+
+    def follow(self, kept: Sequence[int]) -> None:
+        """Take the points that `points` and `forces` are about, by their order in `pressing`.
+
+        They stay the same until it returns other links.
+        """
 
     def points(self) -> PressingPoints:
-        """Return where it presses, of what `pressing` returned last."""
+        """Return where the points that are followed are."""
+
+    def forces(self) -> PressingForces:
+        """Return how the points that are followed press."""
 
     def pair(self, pair: Pair) -> ContactPair:
         """Return how the engine treats two surfaces."""

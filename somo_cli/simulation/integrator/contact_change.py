@@ -10,36 +10,43 @@ and in points that slide the friction is mu times the normal force, against the 
 direction d of F as it is, and across it, p = n x d, as if it were a damper mu N / |v|, which turns
 the force with the velocity. A soft surface of stiffness k and damping c adds the normal
 compliance 1 / (h k + c) and makes r = h k / (h k + c), which is the implicit spring and damper.
-With S the compliances of both kinds [velocity / force], the rows of points that press are
+With s the normal compliance over h, and e that of the damper, |v| / (mu N h), of points that slide,
 
-    E' (h W D + S (F + D) + free - t n) = 0,   F + D = P F + C y,
+    n . (W D + (t n - free) / -h) + s n . (F + D) = 0,       and, where a point sticks,
+    the same without s for both tangents; where it slides,
+    p . (W D + (t n - free) / -h) + e p . (F + D) = 0  and  d . (F + D) = mu n . (F + D).
 
-C the directions in which forces may change, P F the part of F that obeys the law of friction. No
-force pulls, and those that stick are no larger than mu N: points that would break this are opened,
-or slide, and the problem is solved anew. Duriez and others, IEEE TVCG 12 (2006) 36, foresee
-contact with the compliance of implicit steps likewise; here what changes is foreseen, so that
+No force pulls, and those that stick are no larger than mu N: points that would break this are
+opened, or slide, and the problem is solved anew. Duriez and others, IEEE TVCG 12 (2006) 36, predict
+contact with the compliance of implicit steps likewise; here what changes is predicted, so that
 equilibria stay those of the engine.
 
 Where more points press than hold a body, as those of two faces, W is singular and what the points
 ask for need not be possible. So W is made a little larger on its diagonal: with 1e-10 of its mean
 fingers that held a cube by two points each threw it away, from 1e-4 to 1e-2 all is well. It takes
 a share off the change where many points share it, and nothing off equilibria, which have none.
+
+All vectors are in axes of their point: its normal, then two across it.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from somo_cli.arrays import Array
+from somo_cli.arrays import Array, invert
 
 ROUNDS = 8  # of solving anew: almost always one or two are enough
 LIMIT = 1e-5  # relative: friction as near to its limit slides
 SIGN = 1e-9  # relative: a normal force that is smaller, and negative, does not pull
 REGULAR = 1e-3  # of the mean compliance: see above
 
-OPEN, STICKING, SLIDING = 0, 1, 2
+STICKING, SLIDING, OPEN = 0, 1, 2
+
+Direction = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,162 +61,180 @@ class Surfaces:
 class ContactProblem:
     """The problem at points that stay the same for a few steps.
 
-    `states` below tell which points stick and which slide, (m,); `forces`, (m, 3), are F, and
-    `velocities`, (m, 3), relative velocities of first to second now.
+    `states` below tell which points stick and which slide, m of them; `forces`, (3 m,), are F, and
+    `velocities`, (3 m,), relative velocities of first to second now.
     """
 
-    def __init__(self, compliance: Array, normals: Array, surfaces: Surfaces, step: float) -> None:
-        """Take W, (3 m, 3 m), which is positive semidefinite, the normals, and the step h [s]."""
+    def __init__(self, compliance: Array, surfaces: Surfaces, step: float) -> None:
+        """Take W, (3 m, 3 m), which is positive semidefinite, and the step h [s]."""
         size = len(compliance)
         self._compliance = compliance.copy()
-        self._compliance.flat[:: size + 1] += REGULAR * np.trace(compliance) / size
-        self._normals = normals
-        self._surfaces = surfaces
+        diagonal = self._compliance.reshape(-1)[:: size + 1]
+        self._scale = float(diagonal.sum()) / size  # of rows that hold no compliance
+        diagonal += REGULAR * self._scale
+        self._soft = (surfaces.compliance / step).tolist()
+        self._sticking = self._compliance.copy()  # the matrix of the equations where all stick
+        self._sticking.reshape(-1)[:: 3 * (size + 1)] += surfaces.compliance / step
+        self._friction: list[float] = surfaces.friction.tolist()
         self._step = step
 
     def operators(
-        self, states: Array, forces: Array, velocities: Array
-    ) -> tuple[Array, Array, Array]:
-        """Return K, L and N: D = K (t n - free) / h + L F, and the whole forces seen in N (F + D).
-
-        Shape (3 m, 3 m) each; N turns the forces of each point into the normal force and two of
-        friction, those of friction over its coefficient where the point sticks, else 0, so that the
-        first is to be no smaller than 0, nor than the length of the other two.
-        """
-        directions = _along(forces - self._normal_part(forces))
-        by_need, by_force = self._operators(states, directions, forces, velocities)
-        seen = np.zeros_like(by_need)
-        friction = self._surfaces.friction
-        for point, normal in enumerate(self._normals):
-            own = slice(3 * point, 3 * point + 3)
-            seen[3 * point, own] = normal
-            if states[point] == STICKING and friction[point] > 0:
-                seen[3 * point + 1 : 3 * point + 3, own] = _across(normal) / friction[point]
-        return by_need, by_force, seen
-
-    def _normal_part(self, forces: Array) -> Array:
-        normals = self._normals
-        part: Array = normals * np.einsum("ij,ij->i", normals, forces)[:, np.newaxis]
-        return part
-
-    def _operators(
-        self, states: Array, directions: Array, forces: Array, velocities: Array
+        self, states: Sequence[int], forces: Array, velocities: Array
     ) -> tuple[Array, Array]:
-        """Return the matrices, (3 m, 3 m), by which D is linear in (t n - free) / h and in F."""
-        rows, columns, shares, soft = self._blocks(states, directions, forces, velocities)
-        w = self._compliance
-        by_need: Array = 0 * w
-        if columns.size:
-            by_need = columns @ np.linalg.solve(rows.T @ (w + soft) @ columns, rows.T)
-        beyond = shares - np.eye(len(w))
-        by_force: Array = beyond - by_need @ (soft @ shares + w @ beyond)
+        """Return K and L, (3 m, 3 m) each: D = K (t n - free) / h + L F where no state changes."""
+        flat = forces.tolist()
+        directions = [_along(*flat[at : at + 2]) for at in range(1, len(flat), 3)]
+        dampings = self._dampings(states, flat, velocities.tolist())
+        inverse = invert(self._matrix(states, directions, dampings))
+        by_need, by_force = inverse.copy(), np.zeros_like(inverse)
+        for point, (state, soft) in enumerate(zip(states, self._soft, strict=True)):
+            normal, one, two = range(3 * point, 3 * point + 3)
+            if soft:
+                by_force[:, normal] = -soft * inverse[:, normal]
+            if state == SLIDING:
+                a, b = directions[point]
+                across, limit = inverse[:, one], self._scale * inverse[:, two]
+                moves = float(self._friction[point] > 0)
+                by_need[:, one], by_need[:, two] = -b * moves * across, a * moves * across
+                by_force[:, normal] += self._friction[point] * limit
+                turn = dampings[point] * across
+                by_force[:, one] = b * turn - a * limit
+                by_force[:, two] = -a * turn - b * limit
         return by_need, by_force
 
-    def _blocks(
-        self, states: Array, directions: Array, forces: Array, velocities: Array
-    ) -> tuple[Array, Array, Array, Array]:
-        """Return E, C, P and S / h; those of each point are 3 x 3."""
-        m, normals = len(states), self._normals
-        friction = self._surfaces.friction
-        unit = np.eye(3)
-        is_sliding = states == SLIDING
-        across = np.cross(normals, directions)
-        # columns of E and C at each point, and which of them there are
-        rows, columns = np.zeros((2, m, 3, 3))
-        rows[:] = columns[:] = unit
-        rows[is_sliding] = columns[is_sliding] = 0.0
-        pressing = normals + friction[:, np.newaxis] * directions
-        rows[is_sliding, :, 0], columns[is_sliding, :, 0] = (
-            normals[is_sliding],
-            pressing[is_sliding],
-        )
-        turns = is_sliding & (friction > 0)
-        rows[turns, :, 1] = columns[turns, :, 1] = across[turns]
-        kept = np.ones((m, 3), dtype=bool)
-        kept[is_sliding, 2] = False
-        kept[is_sliding & ~turns, 1] = False
-        kept[states == OPEN] = False
-        # P: what of F is kept
-        shares = np.zeros((m, 3, 3))
-        shares[states == STICKING] = unit
-        shares[is_sliding] = _outer(pressing, normals)[is_sliding]
-        shares[turns] += _outer(across, across)[turns]
-        soft = self._surfaces.compliance[:, np.newaxis, np.newaxis] * _outer(normals, normals)
-        if turns.any():
-            tangent = velocities - self._normal_part(velocities)
-            speed = np.sqrt(np.einsum("ij,ij->i", tangent, tangent))
-            limit = friction * np.einsum("ij,ij->i", normals, forces)
-            turning = np.divide(speed, limit, out=np.zeros(m), where=turns & (limit > 0))
-            soft += turning[:, np.newaxis, np.newaxis] * _outer(across, across)
-        e, c, p, s = (_diagonal(one) for one in (rows, columns, shares, soft / self._step))
-        flags = kept.ravel()
-        return e[:, flags], c[:, flags], p, s
-
     def solve(
-        self, states: Array, forces: Array, velocities: Array, free: Array, target: Array
+        self,
+        states: Sequence[int],
+        forces: Array,
+        velocities: Array,
+        free: Array,
+        target: Array,
     ) -> Array | None:
         """Return D, (3 m,), with points opened and slid until no law is broken; None if it fails.
 
-        `free`, (m, 3), are relative velocities at the end of the step for D = 0, and `target`,
+        `free`, (3 m,), are relative velocities at the end of the step for D = 0, and `target`,
         (m,), is t.
         """
-        need = (self._normals * target[:, np.newaxis] - free).ravel() / self._step
-        states = states.copy()
-        normals, friction = self._normals, self._surfaces.friction
-        flat, h = forces.ravel(), self._step
-        directions = _along(forces - self._normal_part(forces))
+        need = -free
+        need[::3] += target
+        need /= self._step
+        states, flat = list(states), forces.tolist()
+        dampings = self._dampings([SLIDING] * len(states), flat, velocities.tolist())
+        directions = [_along(*flat[at : at + 2]) for at in range(1, len(flat), 3)]
+        least = -SIGN * (1 + max(flat, default=0.0))
         for _ in range(ROUNDS):
-            rows, columns, shares, soft = self._blocks(states, directions, forces, velocities)
-            kept = shares.dot(flat)
-            change: Array = kept - flat
-            if columns.size:
-                right = need - soft.dot(kept) - self._compliance.dot(change)
-                matrix = rows.T @ (self._compliance + soft) @ columns
-                change += columns.dot(np.linalg.solve(matrix, rows.T.dot(right)))
-            whole = forces + change.reshape(-1, 3)
-            normal = np.einsum("ij,ij->i", normals, whole)
-            tangent = whole - normals * normal[:, np.newaxis]
-            size = np.sqrt(np.einsum("ij,ij->i", tangent, tangent))
-            pulls = (states != OPEN) & (normal < -SIGN * (1 + np.abs(flat).max()))
-            slips = (states == STICKING) & (size > friction * normal * (1 + LIMIT) + 1e-12) & ~pulls
-            # friction that would push a point the way it goes does not slide
-            coming = free + h * self._compliance.dot(change).reshape(-1, 3)
-            along = np.einsum("ij,ij->i", coming, directions)
-            sticks = (states == SLIDING) & (friction > 0) & (along > SIGN) & ~pulls
-            if not (pulls.any() or slips.any() or sticks.any()):
+            matrix = self._matrix(states, directions, dampings)
+            right = self._right_side(states, directions, dampings, flat, need.tolist())
+            change: Array = invert(matrix).dot(right)
+            coming = free + self._step * self._compliance.dot(change)
+            found = (forces + change).tolist(), coming.tolist()
+            if not self._changes_states(states, directions, *found, least):
                 return change
-            states[pulls], states[slips], states[sticks] = OPEN, SLIDING, STICKING
-            directions[slips] = _along(tangent[slips])
         return None
 
+    def _dampings(
+        self, states: Sequence[int], forces: Sequence[float], velocities: Sequence[float]
+    ) -> list[float]:
+        """Return e of points that slide; without friction, what makes F + D none along p."""
+        found = []
+        for point, (state, friction) in enumerate(zip(states, self._friction, strict=True)):
+            damping = 0.0
+            if state == SLIDING:
+                damping = self._scale
+                limit = friction * forces[3 * point]
+                if friction > 0:
+                    speed = math.hypot(*velocities[3 * point + 1 : 3 * point + 3])
+                    damping = speed / (limit * self._step) if limit > 0 else 0.0
+            found.append(damping)
+        return found
 
-def _along(vectors: Array) -> Array:
-    """Return unit vectors, (m, 3); 0 where there is no direction."""
-    sizes = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))[:, np.newaxis]
-    unit: Array = np.divide(vectors, sizes, out=np.zeros_like(vectors), where=sizes > 0)
-    return unit
+    def _matrix(
+        self, states: Sequence[int], directions: Sequence[Direction], dampings: Sequence[float]
+    ) -> Array:
+        """Return the matrix of the equations for D; those of d come last of a point that slides."""
+        matrix = self._sticking.copy()
+        scale = self._scale
+        for point, state in enumerate(states):
+            if state == STICKING:
+                continue
+            normal, one, two = range(3 * point, 3 * point + 3)
+            if state == OPEN:
+                matrix[normal : two + 1] = 0.0
+                matrix[normal, normal] = matrix[one, one] = matrix[two, two] = scale
+                continue
+            a, b = directions[point]
+            friction, damping = self._friction[point], dampings[point]
+            if friction > 0:
+                matrix[one] = a * matrix[two] - b * matrix[one]
+            else:
+                matrix[one] = 0.0
+            matrix[one, one] -= b * damping
+            matrix[one, two] += a * damping
+            matrix[two] = 0.0
+            matrix[two, normal : two + 1] = -friction * scale, a * scale, b * scale
+        return matrix
+
+    def _right_side(
+        self,
+        states: Sequence[int],
+        directions: Sequence[Direction],
+        dampings: Sequence[float],
+        forces: Sequence[float],
+        need: Sequence[float],
+    ) -> list[float]:
+        """Return the right side of the equations for D, 3 m numbers; `need` is (t n - free) / h."""
+        right: list[float] = []
+        for point, state in enumerate(states):
+            at = 3 * point
+            (force, one, two), (gap, u, w) = forces[at : at + 3], need[at : at + 3]
+            if state == OPEN:
+                right += -self._scale * force, -self._scale * one, -self._scale * two
+                continue
+            right.append(gap - self._soft[point] * force)
+            if state == STICKING:
+                right += u, w
+                continue
+            (a, b), friction = directions[point], self._friction[point]
+            asked = a * w - b * u if friction > 0 else 0.0
+            right.append(asked - dampings[point] * (a * two - b * one))
+            right.append(self._scale * (friction * force - a * one - b * two))
+        return right
+
+    def _changes_states(
+        self,
+        states: list[int],
+        directions: list[Direction],
+        whole: Sequence[float],
+        coming: Sequence[float],
+        least: float,
+    ) -> bool:
+        """Change the states of points that break a law; whether any did.
+
+        `whole`, 3 m numbers, is F + D, `coming` are the velocities that it leads to.
+        """
+        changed = False
+        for point, (state, friction) in enumerate(zip(states, self._friction, strict=True)):
+            at = 3 * point
+            normal, one, two = whole[at : at + 3]
+            if state == OPEN:
+                continue
+            if normal < least:
+                states[point] = OPEN
+            elif state == STICKING:
+                if math.hypot(one, two) <= friction * normal * (1 + LIMIT) + 1e-12:
+                    continue
+                states[point], directions[point] = SLIDING, _along(one, two)
+            else:
+                # friction that would push a point the way it goes does not slide
+                a, b = directions[point]
+                if friction == 0 or a * coming[at + 1] + b * coming[at + 2] <= SIGN:
+                    continue
+                states[point] = STICKING
+            changed = True
+        return changed
 
 
-def _across(normal: Array) -> Array:
-    """Return two unit vectors across a unit vector and each other, (2, 3)."""
-    least = np.zeros(3)
-    least[np.argmin(np.abs(normal))] = 1.0
-    first = np.cross(normal, least)
-    first /= np.sqrt(first.dot(first))
-    return np.array((first, np.cross(normal, first)))
-
-
-def _outer(one: Array, other: Array) -> Array:
-    """Return the products of vectors, (m, 3) and (m, 3), as matrices, (m, 3, 3)."""
-    product: Array = one[:, :, np.newaxis] * other[:, np.newaxis]
-    return product
-
-
-def _diagonal(blocks: Array) -> Array:
-    """Return blocks, (m, 3, 3), on the diagonal of a matrix, (3 m, 3 m)."""
-    m = len(blocks)
-    matrix: Array = np.zeros((m, 3, m, 3))
-    points = np.arange(m)
-    matrix[points, :, points] = blocks
-    square: Array = matrix.reshape(3 * m, 3 * m)
-    return square
+def _along(one: float, two: float) -> Direction:
+    """Return a unit vector, the first axis where there is no direction."""
+    size = math.hypot(one, two)
+    return (one / size, two / size) if size > 0 else (1.0, 0.0)

@@ -8,7 +8,7 @@ for a force), and the coordinates now and at the end of the coming step if no co
 
 from __future__ import annotations
 
-from typing import Protocol, cast
+from typing import Protocol, TypeAlias, cast
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from somo_cli.simulation.engine.interface import WorldFreeBody, WorldObject
 from somo_cli.simulation.integrator.body_stepper import BodyStepper
 from somo_cli.simulation.integrator.floating_base import FloatingBase
 from somo_cli.simulation.integrator.prescribed_base import PrescribedBase
+
+Motion: TypeAlias = tuple[float, ...]
+"""Angular velocity, then velocity, six numbers."""
 
 
 class Part(Protocol):
@@ -165,10 +168,11 @@ class Object:
 
     def __init__(self, thing: WorldObject, is_free: bool) -> None:
         self._thing = thing
+        self._velocity = thing.velocity
         self.links_others = is_free
         self._inverse: Array = np.zeros((6, 6))
-        self._now: Array = np.zeros(6)
-        self._before: Array = np.zeros(6)
+        self._now: Motion = (0.0,) * 6
+        self._before: Motion = (0.0,) * 6
 
     def jacobian(self, links: Array, points: Array) -> Array:
         """Return how points of links, (m, 3) in the world, move, shape (m, 3, size)."""
@@ -187,14 +191,15 @@ class Object:
 
     def observe(self) -> None:
         """Take the present motion."""
-        velocity, spin = self._thing.velocity()
-        self._before, self._now = self._now, np.array([*spin, *velocity])
+        velocity, spin = self._velocity()
+        self._before, self._now = self._now, (*spin, *velocity)
 
     def write(self, now: Array, coming: Array) -> None:
         """Fill in the coordinates now, and at the end of the coming step, (size,) each."""
-        now[:] = coming[:] = self._now
+        now[:] = self._now
+        coming[:] = now
         if self.links_others:
-            coming += self._now
+            coming += now
             coming -= self._before
 
 

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from somo_cli.arrays import Array
-from somo_cli.simulation.engine.pressing import ContactReader, Pair, PressingForces, PressingPoints
-from somo_cli.simulation.integrator.contact_change import (
-    SLIDING,
-    STICKING,
-    ContactProblem,
-    Surfaces,
-)
+from somo_cli.simulation.dynamics.chain_dynamics import skew_matrices
+from somo_cli.simulation.engine.pressing import ContactReader, PressingForces, PressingPoints
+from somo_cli.simulation.integrator.contact_change import SLIDING, ContactProblem, Surfaces
 from somo_cli.simulation.integrator.contact_coordinates import Part
 
 TURNED = 0.01  # by which normals may turn [rad] until the geometry of contact is renewed, and by
@@ -24,70 +20,65 @@ MOVED = 0.02  # likewise points among themselves, over their distances
 
 
 class CoupledContact:
-    """The points that press, and the parts there; the geometry is that of when it was made."""
+    """Points that press, and the parts there; the geometry is that of when it was made."""
 
     def __init__(
         self,
-        keys: Sequence[Hashable],
         points: PressingPoints,
-        kept: Sequence[int],
         parts: Sequence[tuple[int, Part]],
         reader: ContactReader,
         step: float,
     ) -> None:
-        """Take points, which of them are `kept`, and the parts that they touch, by number."""
-        self.keys = keys
+        """Take points, and the parts that they touch, by number."""
         self._points = points
-        self._kept = list(kept)
-        self.is_void = not kept
-        """Whether no body with joints is pressed, nor what it presses."""
-        self._takes_all = len(kept) == len(keys)
         self._parts = [part for _, part in parts]
         self._step = step
-        self._normals = points.normals[self._kept]
-        self._lay_down([part.size for part in self._parts], len(kept))
+        self._lay_down([part.size for part in self._parts], len(points.pairs))
         self._angles = [part.angles() for part in self._parts]
-        if not kept:
-            return
+        self._axes = _axes(points.normals)
         self._jacobian = self._make_jacobian([number for number, _ in parts])
+        self._surfaces = _surfaces(points, reader, step)
+        frictions: list[float] = self._surfaces.friction.tolist()
+        self._limits = [one * one * LENIENT for one in frictions]
+        compliance = self._lay_responses([number for number, _ in parts])
+        self._problem = ContactProblem(compliance, self._surfaces, step)
+        # closing velocities from the coordinates, to be added to gaps
+        self._closing: Array = step * self._jacobian[::3]
+        self._operators: dict[bytes, Array] = {}
+
+    def _lay_down(self, sizes: Sequence[int], points: int) -> None:
+        """Make the vector that the changes are linear in: forces, targets, coming coordinates."""
+        ends = list(itertools.accumulate(sizes, initial=0))
+        self._wheres = [slice(*pair) for pair in itertools.pairwise(ends)]
+        self._input: Array = np.zeros(5 * points + ends[-1])
+        one, two, three = 3 * points, 4 * points, 5 * points
+        self._forces, self._gaps = self._input[:one], self._input[one:two]
+        self._overlaps, self._coming = self._input[two:three], self._input[three:]
+        self._told = self._input[:two]
+        self._zero: Array = np.zeros(points)
+        self._now: Array = np.zeros(ends[-1])
+        self._coordinates = [(self._now[where], self._coming[where]) for where in self._wheres]
+
+    def _lay_responses(self, numbers: Sequence[int]) -> Array:
+        """Keep how forces at points accelerate joints, and return the compliance of points."""
         brought = np.concatenate(
             [
                 part.response(self._jacobian[:, where].T)
                 for part, where in zip(self._parts, self._wheres, strict=True)
             ]
         )
-        driven: list[int] = []
+        driven: list[Array] = []
         self._outputs: list[tuple[int, slice]] = []
         at = 0
-        for (number, part), where in zip(parts, self._wheres, strict=True):
+        for number, part, where in zip(numbers, self._parts, self._wheres, strict=True):
             if part.joints:
-                driven += range(where.start, where.start + part.joints)
+                driven.append(brought[where.start : where.start + part.joints])
                 self._outputs.append((number, slice(at, at + part.joints)))
                 at += part.joints
         self._joints = at
-        self._brought_to_joints = brought[driven]
-        pairs = [points.pairs[index] for index in kept]
-        self._surfaces = _surfaces(pairs, reader, step)
-        self._problem = ContactProblem(
-            self._jacobian @ brought, self._normals, self._surfaces, step
-        )
-        # closing velocities from the coordinates, to be added to gaps
-        normal_rows = np.einsum(
-            "mi,mij->mj", self._normals, self._jacobian.reshape(len(kept), 3, -1)
-        )
-        self._closing = step * normal_rows
-
-    def _lay_down(self, sizes: Sequence[int], points: int) -> None:
-        """Make the vector that the changes are linear in: forces, targets, coming coordinates."""
-        ends = np.cumsum([0, *sizes]).tolist()
-        self._wheres = [slice(*pair) for pair in itertools.pairwise(ends)]
-        self._input: Array = np.zeros(5 * points + ends[-1])
-        parts = np.split(self._input, np.array([3, 4, 5]) * points)
-        self._forces, self._gaps, self._overlaps, self._coming = parts
-        self._told = self._input[: 4 * points]
-        self._zero: Array = np.zeros(points)
-        self._now: Array = np.zeros(ends[-1])
-        self._states: bytes = b""
+        self._brought_to_joints: Array = np.concatenate(driven)
+        compliance: Array = self._jacobian.dot(brought)
+        return compliance
 
     def is_still(self, points: PressingPoints) -> bool:
         """Whether the geometry is still good where the same links press."""
@@ -99,107 +90,120 @@ class CoupledContact:
         if np.abs(moved).max() > MOVED * np.abs(spread).max():
             return False
         return all(
-            np.abs(part.angles() - angles).max(initial=0.0) <= TURNED
+            np.abs(part.angles() - angles).max() <= TURNED
             for part, angles in zip(self._parts, self._angles, strict=True)
+            if part.joints
         )
 
     def renew(self) -> None:
         """Have the operators made anew: friction that slides depends on the velocity."""
-        if any(self._states):
-            self._states = b""
+        self._operators = {
+            states: kept for states, kept in self._operators.items() if SLIDING not in states
+        }
 
     def changes(self, pressing: PressingForces) -> Mapping[int, Array]:
         """Return what the coming change of contact forces adds to the accelerations of bodies."""
-        if self.is_void:
-            return {}
-        for part, where in zip(self._parts, self._wheres, strict=True):
-            part.write(self._now[where], self._coming[where])
-        self._told[:], slides = self._of_kept(pressing)
-        np.add(self._closing.dot(self._now), self._gaps, self._gaps)
-        np.minimum(self._gaps, self._zero, out=self._overlaps)
-        states = bytes(slides)
-        if states != self._states:
-            self._make_operator(states)
-        out: Array = self._operator.dot(self._input)
-        if _breaks_a_law(out[self._joints :].tolist()):
+        for part, (now, coming) in zip(self._parts, self._coordinates, strict=True):
+            part.write(now, coming)
+        forces, gaps, is_sliding = pressing
+        self._told[:] = forces + gaps
+        gaps_here = self._gaps
+        gaps_here += self._closing.dot(self._now)
+        np.minimum(gaps_here, self._zero, out=self._overlaps)
+        states = bytes(is_sliding)  # of STICKING and SLIDING
+        operator = self._operators.get(states)
+        if operator is None:
+            operator = self._operators[states] = self._make_operator(states)
+        out: Array = operator.dot(self._input)
+        if self._breaks_a_law(out[self._joints :].tolist(), is_sliding):
             change = self._solve_anew(states)
             if change is None:
                 return {}
             out = self._brought_to_joints.dot(change)
         return {number: out[where] for number, where in self._outputs}
 
-    def _of_kept(self, pressing: PressingForces) -> tuple[Sequence[float], Sequence[bool]]:
-        """Return forces, then gaps, and which points slide, of the points that are followed."""
-        _, forces, gaps, is_sliding = pressing
-        if self._takes_all:
-            return [*forces, *gaps], is_sliding
-        kept = self._kept
-        followed = [number for index in kept for number in forces[3 * index : 3 * index + 3]]
-        followed += [gaps[index] for index in kept]
-        return followed, [is_sliding[index] for index in kept]
+    def _breaks_a_law(self, whole: Sequence[float], is_sliding: Sequence[bool]) -> bool:
+        """Whether a normal force is negative, or friction that sticks beyond its limit."""
+        at = 0
+        for limit, slides in zip(self._limits, is_sliding, strict=True):
+            normal, one, two = whole[at : at + 3]
+            at += 3
+            if normal < 0 or not (slides or one * one + two * two <= limit * normal * normal):
+                return True
+        return False
 
-    def _make_operator(self, states: bytes) -> None:
-        """Lay down what is linear in the input: accelerations of joints, and forces to check."""
-        m, h = len(states), self._step
-        forces = self._forces.reshape(-1, 3)
-        velocities = self._jacobian.dot(self._now).reshape(-1, 3)
-        by_need, by_force, seen = self._problem.operators(_coded(states), forces, velocities)
-        by_target = np.einsum("imj,mj->im", by_need.reshape(3 * m, m, 3), self._normals)
-        by_target /= h * h
-        by_overlap = by_target * (1 - self._surfaces.recovery)
+    def _make_operator(self, states: bytes) -> Array:
+        """Return what is linear in the input: accelerations of joints, then whole forces."""
+        h, m = self._step, len(states)
+        velocities = self._jacobian.dot(self._now)
+        by_need, by_force = self._problem.operators(states, self._forces_in_axes(), velocities)
+        by_target = by_need[:, ::3] / (h * h)
         change = np.concatenate(
-            [by_force, -by_target, by_overlap, by_need @ self._jacobian / -h], axis=1
+            [
+                self._from_world(by_force),
+                -by_target,
+                by_target * (1 - self._surfaces.recovery),
+                by_need.dot(self._jacobian) / -h,
+            ],
+            axis=1,
         )
-        to_joints = self._brought_to_joints @ change
-        change[:, : 3 * m] += np.eye(3 * m)
-        self._operator: Array = np.concatenate([to_joints, seen @ change])
-        self._states = states
+        to_joints = self._brought_to_joints.dot(change)
+        change[:, : 3 * m] += self._from_world(np.eye(3 * m))
+        operator: Array = np.concatenate([to_joints, change])
+        return operator
 
     def _solve_anew(self, states: bytes) -> Array | None:
-        velocities, free = (
-            self._jacobian.dot(one).reshape(-1, 3) for one in (self._now, self._coming)
+        target = (1 - self._surfaces.recovery) * self._overlaps - self._gaps
+        return self._problem.solve(
+            states,
+            self._forces_in_axes(),
+            self._jacobian.dot(self._now),
+            self._jacobian.dot(self._coming),
+            target / self._step,
         )
-        forces = self._forces.reshape(-1, 3)
-        kept = (1 - self._surfaces.recovery) * self._overlaps
-        target = (kept - self._gaps) / self._step
-        return self._problem.solve(_coded(states), forces, velocities, free, target)
+
+    def _forces_in_axes(self) -> Array:
+        """Return the forces in the axes of their points, (3 m,)."""
+        turned: Array = np.matmul(self._axes, self._forces.reshape(-1, 3, 1)).reshape(-1)
+        return turned
+
+    def _from_world(self, by_force: Array) -> Array:
+        """Return what is linear in forces in the axes of points, for forces in the world."""
+        size = len(by_force)
+        turned: Array = np.matmul(by_force.reshape(size, -1, 1, 3), self._axes)
+        return turned.reshape(size, -1)
 
     def _make_jacobian(self, numbers: Sequence[int]) -> Array:
-        """Return how the points on first sides move against those on second ones, (3 m, size)."""
-        points, kept = self._points, self._kept
-        jacobian: Array = np.zeros((len(kept), 3, len(self._now)))
+        """Return how points move on first sides against second ones, in their axes, (3 m, size)."""
+        points = self._points
+        jacobian: Array = np.zeros((len(points.pairs), 3, len(self._now)))
         for number, part, where in zip(numbers, self._parts, self._wheres, strict=True):
-            rows, signs, links, places = [], [], [], []
-            for row, index in enumerate(kept):
-                sides = zip((1.0, -1.0), (points.on_first, points.on_second), strict=True)
-                for (body, link), (sign, at) in zip(points.pairs[index], sides, strict=True):
-                    if body == number:
-                        rows.append(row)
-                        signs.append(sign)
-                        links.append(link)
-                        places.append(at[index])
-            own = part.jacobian(np.array(links), np.array(places)) * np.array(signs)[:, None, None]
-            np.add.at(jacobian[:, :, where], rows, own)
-        return jacobian.reshape(3 * len(kept), -1)
+            for side, sign, at in ((0, 1.0, points.on_first), (1, -1.0, points.on_second)):
+                own = [row for row, pair in enumerate(points.pairs) if pair[side][0] == number]
+                if own:
+                    links = np.array([points.pairs[row][side][1] for row in own])
+                    jacobian[own, :, where] += sign * part.jacobian(links, at[own])
+        turned: Array = np.matmul(self._axes, jacobian)
+        return turned.reshape(3 * len(points.pairs), -1)
 
 
-def _breaks_a_law(seen: Sequence[float]) -> bool:
-    """Whether of three numbers a point the first is negative, or smaller than the other two."""
-    for at in range(0, len(seen), 3):
-        normal, one, two = seen[at : at + 3]
-        if normal < 0 or one * one + two * two > LENIENT * normal * normal:
-            return True
-    return False
+def _axes(normals: Array) -> Array:
+    """Return the axes of points as rows, (m, 3, 3): unit normals, then two across each."""
+    least = np.eye(3)[np.abs(normals).argmin(axis=1)]
+    crosses = skew_matrices(normals)
+    first = np.matmul(crosses, least[:, :, np.newaxis])
+    first /= np.sqrt((first * first).sum(axis=1, keepdims=True))
+    second = np.matmul(crosses, first)
+    axes: Array = np.concatenate(
+        [normals[:, np.newaxis], first.transpose(0, 2, 1), second.transpose(0, 2, 1)], axis=1
+    )
+    return axes
 
 
-def _coded(states: bytes) -> Array:
-    return np.where(np.frombuffer(states, dtype=np.uint8), SLIDING, STICKING)
-
-
-def _surfaces(pairs: Sequence[Pair], reader: ContactReader, step: float) -> Surfaces:
+def _surfaces(points: PressingPoints, reader: ContactReader, step: float) -> Surfaces:
     """Return the surfaces at points as the engine takes them."""
     frictions, recoveries, compliances = [], [], []
-    for pair in pairs:
+    for pair in points.pairs:
         known = reader.pair(pair)
         recovery, compliance = reader.recovery, 0.0
         if known.compliance is not None:

@@ -15,22 +15,21 @@ from somo_cli.simulation.integrator.contact_change import (
 
 STEP = 1e-3  # s
 MASS = 2.0  # kg
-UP = np.array([[0.0, 0.0, 1.0]])
 
 
 def problem(friction: float = 0.5, compliance: float = 0.0, points: int = 1) -> ContactProblem:
     """Return the problem of a mass point that stands on so many points at one place."""
     surfaces = Surfaces(*(np.full(points, value) for value in (friction, 0.1, compliance)))
     delassus = np.tile(np.eye(3) / MASS, (points, points))
-    return ContactProblem(delassus, np.repeat(UP, points, 0), surfaces, STEP)
+    return ContactProblem(delassus, surfaces, STEP)
 
 
 def solved(
     one: ContactProblem, states: int, force: list[float], velocity: list[float], free: list[float]
 ) -> np.ndarray:
-    """Return the whole force on one point, by the operators where they break no law."""
-    rows = [np.array([values]) for values in (force, velocity, free)]
-    found = one.solve(np.array([states]), *rows, np.zeros(1))
+    """Return the whole force on one point; axes are the normal and two across it."""
+    rows = [np.array(values, dtype=float) for values in (force, velocity, free)]
+    found = one.solve([states], *rows, np.zeros(1))
     assert found is not None
     return found + np.array(force)
 
@@ -41,54 +40,83 @@ def exact(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_what_sticks_is_brought_to_rest() -> None:
-    force = solved(problem(), STICKING, [0, 0, 10], [0, 0, 0], [1e-4, -2e-4, -3e-4])
-    assert force == pytest.approx(np.array([-0.2, 0.4, 10.6]))  # 10 - m v / h
+    force = solved(problem(), STICKING, [10, 0, 0], [0, 0, 0], [-3e-4, 1e-4, -2e-4])
+    assert force == pytest.approx(np.array([10.6, -0.2, 0.4]))  # 10 - m v / h
 
 
 def test_what_would_pull_is_let_go() -> None:
-    assert solved(problem(), STICKING, [1, 0, 10], [0, 0, 0], [0, 0, 1e-2]) == pytest.approx(
+    assert solved(problem(), STICKING, [10, 1, 0], [0, 0, 0], [1e-2, 0, 0]) == pytest.approx(
         np.zeros(3), abs=1e-9
     )
 
 
 def test_a_point_that_cannot_stick_slides_with_the_friction_limit_against_its_velocity() -> None:
-    force = solved(problem(), STICKING, [-4.9, 0, 10], [1e-3, 0, 0], [1e-3, 0, 0])
-    assert force == pytest.approx(np.array([-5, 0, 10]))
+    force = solved(problem(), STICKING, [10, -4.9, 0], [0, 1e-3, 0], [0, 1e-3, 0])
+    assert force == pytest.approx(np.array([10, -5, 0]))
 
 
 def test_friction_that_slides_follows_the_normal_force() -> None:
-    force = solved(problem(), SLIDING, [-5, 0, 10], [1, 0, 0], [1, 0, -1e-3])
-    assert force == pytest.approx(np.array([-6, 0, 12]))
+    force = solved(problem(), SLIDING, [10, -5, 0], [0, 1, 0], [-1e-3, 1, 0])
+    assert force == pytest.approx(np.array([12, -6, 0]))
 
 
 def test_friction_turns_with_the_velocity() -> None:
     """By the angle to which the velocity has turned, which friction lessens in the step."""
-    force = solved(problem(), SLIDING, [-5, 0, 10], [1, 0, 0], [1, 0.01, 0])
+    force = solved(problem(), SLIDING, [10, -5, 0], [0, 1, 0], [0, 1, 0.01])
     across = 0.01 / (1 + STEP * 5 / 1 / MASS)
-    assert force == pytest.approx(np.array([-5, -5 * across, 10]))
+    assert force == pytest.approx(np.array([10, -5, -5 * across]))
 
 
 def test_what_sticks_again_does_not_slide_backwards() -> None:
-    force = solved(problem(), SLIDING, [-5, 0, 10], [1e-4, 0, 0], [-1e-3, 0, 0])
-    assert force == pytest.approx(np.array([-3, 0, 10]))
+    force = solved(problem(), SLIDING, [10, -5, 0], [0, 1e-4, 0], [0, -1e-3, 0])
+    assert force == pytest.approx(np.array([10, -3, 0]))
 
 
 def test_soft_ground_is_an_implicit_spring() -> None:
     """F = F0 - (h k + c) v with v the velocity that it leaves: v = free + h (F - F0) / m."""
     compliance = 0.05
-    rest = np.array([0.0, 0.0, -10 * compliance])  # the velocity that F0 alone belongs to
-    force = solved(problem(compliance=compliance), STICKING, [0, 0, 10], [0, 0, 0], rest.tolist())
-    assert force[2] == pytest.approx(10.0)
+    rest = np.array([-10 * compliance, 0.0, 0.0])  # the velocity that F0 alone belongs to
+    force = solved(problem(compliance=compliance), STICKING, [10, 0, 0], [0, 0, 0], rest.tolist())
+    assert force[0] == pytest.approx(10.0)
 
 
 def test_points_that_are_redundant_share_a_change(monkeypatch: pytest.MonkeyPatch) -> None:
     """Even if they ask for what cannot be: one for a velocity that the other does not."""
     monkeypatch.setattr(contact_change, "REGULAR", 1e-3)
     one = problem(points=2)
-    forces = np.array([[0, 0, 1e3], [0, 0, 1e3]])
-    free = np.array([[0, 0, -1e-3], [0, 0, -1e-3]])
-    still = np.zeros((2, 3))
-    change = one.solve(np.array([STICKING] * 2), forces, still, free, np.array([0.0, 1e-4]))
+    forces = np.array([1e3, 0, 0, 1e3, 0, 0])
+    free = np.array([-1e-3, 0, 0, -1e-3, 0, 0])
+    still = np.zeros(6)
+    change = one.solve([STICKING] * 2, forces, still, free, np.array([0.0, 1e-4]))
     assert change is not None
     assert np.abs(change).max() < 200
-    assert change[2] + change[5] == pytest.approx(2 * 1.05, rel=1e-2)
+    assert change[0] + change[3] == pytest.approx(2 * 1.05, rel=1e-2)
+
+
+def test_operators_do_what_the_solution_does_while_no_state_changes() -> None:
+    """At coupled points that stick, slide, and slide without friction, on rigid and soft ground."""
+    rng = np.random.default_rng(1)
+    root = rng.normal(size=(12, 15))
+    surfaces = Surfaces(np.array([0.5, 0.3, 0.0, 0.4]), np.full(4, 0.1), np.array([0, 0.1, 0, 0.2]))
+    one = ContactProblem(root @ root.T, surfaces, STEP)
+    states = [STICKING, SLIDING, SLIDING, SLIDING]
+    forces = np.array([10, 1, 2, 10, -3, 0, 10, 0, 0, 10, 2.4, 3.2])
+    velocities = np.array([0, 0, 0, 0, 1, 0.1, 0, 1, 2, 0, -3, -4])
+    free = velocities + 1e-5 * rng.normal(size=12)
+    target = 1e-5 * rng.normal(size=4)
+    need = -free / STEP
+    need[::3] += target / STEP
+    by_need, by_force = one.operators(states, forces, velocities)
+    change = one.solve(states, forces, velocities, free, target)
+    assert change is not None
+    assert by_need @ need + by_force @ forces == pytest.approx(change, rel=1e-9, abs=1e-12)
+    whole = change + forces
+    assert whole[4] == pytest.approx(-0.3 * whole[3])  # the limit, against the way
+    assert whole[7:9] == pytest.approx([0, 0], abs=1e-9)
+    assert whole[10:12] @ [0.6, 0.8] == pytest.approx(0.4 * whole[9])
+
+
+def test_what_cannot_be_solved_has_no_change() -> None:
+    still = np.zeros(3)
+    one = problem()
+    assert one.solve([STICKING], np.array([np.nan, 0, 0]), still, still, np.zeros(1)) is None

@@ -42,37 +42,55 @@ class BulletContactReader:
         self._indices = {place: index for index, place in reversed(list(places.items()))}
         self._pairs: dict[Pair, ContactPair] = {}
         self._limits: dict[ContactKey, float] = {}  # squares of the coefficients of friction
+        # all that pressed in the last step, and which of them are followed
         self._pressing: Sequence[tuple[Any, ...]] = ()
+        self._keys: Sequence[ContactKey] = ()
+        self._kept: Sequence[int] = ()
+        self._kept_limits: Sequence[float] = ()
+        self._kept_pairs: Sequence[Pair] = ()
+        self._takes_all = False
         self.recovery = contact_parameters(plan).get("contactERP", RECOVERY)
 
-    def pressing(self) -> PressingForces | None:
-        """Return what pressed in the last step, None where nothing is near anything."""
+    def pressing(self) -> Sequence[ContactKey] | None:
+        """Return which links pressed at each point in the last step, None where nothing is near."""
         points = self._contacts.reported()
         if not points:
             return None
-        self._pressing = [one for one in points if one[NORMAL_FORCE] > 0]
-        keys: list[ContactKey] = []
+        self._pressing = pressing = [one for one in points if one[NORMAL_FORCE] > 0]
+        self._keys = [(one[1], one[3], one[2], one[4]) for one in pressing]
+        return self._keys
+
+    def pairs(self) -> Sequence[Pair]:
+        """Return the places of each point that `pressing` returned last."""
+        return [self._pair_of(key) for key in self._keys]
+
+    def follow(self, kept: Sequence[int]) -> None:
+        """Take the points that `points` and `forces` are about, by their order in `pressing`."""
+        self._kept = list(kept)
+        self._takes_all = len(kept) == len(self._keys)
+        self._kept_limits = [self._limit(self._keys[index]) for index in kept]
+        self._kept_pairs = [self._pair_of(self._keys[index]) for index in kept]
+
+    def points(self) -> PressingPoints:
+        """Return where the points that are followed are."""
+        rows = np.array([one[5:8] for one in self._followed()])
+        return PressingPoints(self._kept_pairs, rows[:, 0], rows[:, 1], rows[:, 2])
+
+    def forces(self) -> PressingForces:
+        """Return how the points that are followed press."""
         forces: list[float] = []
         gaps: list[float] = []
         slides: list[bool] = []
-        limits = self._limits
-        for one in self._pressing:
-            _, a, b, i, j, _, _, (x, y, z), gap, n, f, (fx, fy, fz), g, (gx, gy, gz) = one
-            key = a, i, b, j
-            keys.append(key)
+        for one, limit in zip(self._followed(), self._kept_limits, strict=True):
+            _, _, _, _, _, _, _, (x, y, z), gap, n, f, (fx, fy, fz), g, (gx, gy, gz) = one
             forces += n * x + f * fx + g * gx, n * y + f * fy + g * gy, n * z + f * fz + g * gz
             gaps.append(gap + SLOP)
-            limit = limits[key] if key in limits else self._limit(key)
             slides.append(f * f + g * g >= limit * n * n)
-        return PressingForces(keys, forces, gaps, slides)
+        return PressingForces(forces, gaps, slides)
 
-    def points(self) -> PressingPoints:
-        """Return where it presses, of what `pressing` returned last."""
-        pressing = [EngineContact(*one) for one in self._pressing]
-        rows = np.array([(one.on_first, one.on_second, one.normal) for one in pressing])
-        rows = rows.reshape(len(pressing), 3, 3)
-        pairs = [self._pair_of(one.key) for one in pressing]
-        return PressingPoints(pairs, rows[:, 0], rows[:, 1], rows[:, 2])
+    def _followed(self) -> Sequence[tuple[Any, ...]]:
+        pressing = self._pressing
+        return pressing if self._takes_all else [pressing[index] for index in self._kept]
 
     def pair(self, pair: Pair) -> ContactPair:
         """Return how the engine treats two surfaces."""
@@ -85,7 +103,10 @@ class BulletContactReader:
         return self._places[key[:2]], self._places[key[2:]]
 
     def _limit(self, key: ContactKey) -> float:
-        limit = self._limits[key] = self.pair(self._pair_of(key)).friction ** 2 * (1 - 2 * LIMIT)
+        limit = self._limits.get(key)
+        if limit is None:
+            friction = self.pair(self._pair_of(key)).friction
+            limit = self._limits[key] = friction * friction * (1 - 2 * LIMIT)
         return limit
 
     def _ask(self, pair: Pair) -> ContactPair:

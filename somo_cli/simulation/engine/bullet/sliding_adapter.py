@@ -129,9 +129,12 @@ class SlidingAdapter:
         self.applied.append((key, found.point, found.force))
         (fx, fy, fz), (tx, ty, tz) = found.force, found.torque
         links, own, other = self._links, key[:2], key[2:]
+        has_torque = tx != 0 or ty != 0 or tz != 0  # of one point it is none
         if self._mass(own)[0] > 0:
             links.apply_force(own, (fx, fy, fz), found.point)
-            links.apply_torque(own, (tx, ty, tz))
+            if has_torque:
+                links.apply_torque(own, (tx, ty, tz))
         if self._mass(other)[0] > 0:
             links.apply_force(other, (-fx, -fy, -fz), found.point)
-            links.apply_torque(other, (-tx, -ty, -tz))
+            if has_torque:
+                links.apply_torque(other, (-tx, -ty, -tz))
