@@ -15,9 +15,14 @@ DEFAULT_REST_SPEED = 1e-4  # m/s
 DEFAULT_REST_RATE = 1e-3  # rad/s
 
 FindingCode: TypeAlias = Literal[
-    "contact-energy", "contact-lost", "contact-missed", "contact-shakes", "deep-penetration"
+    "contact-energy",
+    "contact-lost",
+    "contact-missed",
+    "contact-shakes",
+    "contact-unpredicted",
+    "deep-penetration",
 ]
-"""What a run may find of contact that no rigid body does."""
+"""What a run may find of contact that no rigid body does, or that it cannot follow well."""
 FINDING_CODES: tuple[FindingCode, ...] = get_args(FindingCode)
 ANY_FINDING = "any"
 

@@ -9,7 +9,10 @@ from typing import TypeAlias
 
 from somo_cli.simulation.engine.interface import World
 from somo_cli.simulation.integrator.body_stepper import BodyStepper
-from somo_cli.simulation.integrator.contact_prediction import ContactPrediction
+from somo_cli.simulation.integrator.contact_prediction import (
+    ContactPrediction,
+    PredictionCount,
+)
 from somo_cli.simulation.integrator.kinematic_object import KinematicObjectStepper
 from somo_cli.simulation.integrator.object_rotation import ObjectRotations
 from somo_cli.simulation.integrator.refresh_policy import MONITORING_INTERVAL
@@ -62,6 +65,11 @@ class SimulationLoop:
             self._applies_at_check = [partial(self._prediction.apply, True)]
             self._applies_between = [partial(self._prediction.apply, False)]
         self._steady_until = -math.inf  # s: until then nothing that acts changes
+
+    @property
+    def prediction_count(self) -> PredictionCount:
+        """How much of the contact forces was predicted so far."""
+        return PredictionCount() if self._prediction is None else self._prediction.count
 
     def actuate(self, step: int) -> None:
         """Set what acts in the step that starts at this one."""

@@ -40,6 +40,7 @@ def metadata(
         "steps": summary.steps,
         "stopped_by": _stopped_by(summary),
         "findings": [one.plain_data() for one in summary.findings],
+        "contact_prediction": _contact_prediction(summary),
         "record_every": plan.every,
         "rows": summary.rows,
         "plan": plan_report.plain_data(plan),
@@ -59,6 +60,16 @@ def _stopped_by(summary: RunSummary) -> dict[str, object] | None:
     if summary.stopped is None:
         return None
     return {"stop": summary.stopped.condition, "reason": summary.stopped.reason}
+
+
+def _contact_prediction(summary: RunSummary) -> dict[str, int]:
+    count = summary.prediction
+    return {
+        "steps_with_contact": count.felt,
+        "most_points": count.most_points,
+        "steps_with_too_many_points": count.crowded,
+        "steps_without_solution": count.unsolved,
+    }
 
 
 def provenance(inputs: Mapping[str, str], overrides: Sequence[str]) -> dict[str, object]:

@@ -132,7 +132,7 @@ def _prediction_decision(plan: Plan) -> Decision:
     what = "prediction of contact forces"
     if plan.integrator == "explicit":
         return Decision(what, False, "the explicit integrator does without")
-    why = f"where bodies press at up to {MOST_POINTS} points, since a late force shakes a grasp"
+    why = f"at up to {MOST_POINTS} points with friction, since a late force shakes a grasp"
     return Decision(what, True, why)
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from somo_cli.simulation.engine.interface import World
+from somo_cli.simulation.integrator.contact_prediction import PredictionCount
 from somo_cli.simulation.monitoring.contact_events import ContactEvent
 from somo_cli.simulation.monitoring.findings import Finding
 from somo_cli.simulation.monitoring.penetration import Penetration
@@ -35,6 +36,8 @@ class RunSummary:
     stopped: StopReason | None = None
     deepest: Penetration | None = None
     findings: tuple[Finding, ...] = ()
+    prediction: PredictionCount = field(default_factory=PredictionCount)
+    """How much of the contact forces was predicted."""
 
 
 @np.errstate(over="ignore", invalid="ignore")  # the divergence monitor reports both
@@ -88,6 +91,7 @@ def run(
         stopped or stop_monitor.at_step(session.step),
         session.deepest,
         session.findings(),
+        session.prediction_count,
     )
 
 

@@ -8,6 +8,7 @@ from typing import cast
 from somo_cli.simulation.engine import contacts
 from somo_cli.simulation.engine.interface import World, WorldKinematicObject, WorldPrescribedBody
 from somo_cli.simulation.integrator.body_stepper import BodyStepper
+from somo_cli.simulation.integrator.contact_prediction import PredictionCount
 from somo_cli.simulation.integrator.energy_bound import ObjectEnergyBound
 from somo_cli.simulation.integrator.fixed_base import FixedBase
 from somo_cli.simulation.integrator.floating_base import FloatingBase
@@ -18,9 +19,10 @@ from somo_cli.simulation.loop import SimulationLoop
 from somo_cli.simulation.monitoring.contact_events import ContactEvent, ContactMonitor
 from somo_cli.simulation.monitoring.contact_findings import ContactFindings
 from somo_cli.simulation.monitoring.divergence import DivergenceMonitor
-from somo_cli.simulation.monitoring.findings import Finding
+from somo_cli.simulation.monitoring.findings import Finding, in_order
 from somo_cli.simulation.monitoring.object_motion import motions_of_objects
 from somo_cli.simulation.monitoring.penetration import Penetration
+from somo_cli.simulation.monitoring.unpredicted_contact import unpredicted_contact
 from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.recording.row_assembler import RowAssembler, RowWriter
 from somo_cli.simulation.schedule import MonitoringSchedule
@@ -87,11 +89,19 @@ class Session:
 
     def findings(self) -> tuple[Finding, ...]:
         """Return what was found of contact so far, in order of time."""
-        return () if self._contact is None else self._contact.found()
+        if self._contact is None:
+            return ()
+        unpredicted = unpredicted_contact(self.plan, self.prediction_count)
+        return in_order([*self._contact.found(), *([unpredicted] if unpredicted else [])])
 
     def note_drive(self) -> None:
         """Note that something from outside has changed what drives the bodies."""
         self._is_driven = True
+
+    @property
+    def prediction_count(self) -> PredictionCount:
+        """How much of the contact forces was predicted so far."""
+        return self._loop.prediction_count
 
     def actuate(self) -> None:
         """Set the torques and loads of the step that starts at the present state."""

@@ -9,6 +9,7 @@ import json
 import pytest
 
 import somo_cli
+from somo_cli.simulation.integrator.contact_prediction import PredictionCount
 from somo_cli.simulation.metadata import metadata
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan_report import plain_data
@@ -18,8 +19,9 @@ from tests.builders.scenes import scene_from_file
 KEYS = [
     "somo", "engine", "numpy", "python", "platform", "inputs", "overrides", "integrator",
     "time_step_s", "time_step_chosen", "expected_tip_error_relative", "steps",
-    "stopped_by", "findings", "record_every", "rows", "plan", "columns", "world_scale",
-    "manipulators", "simulated_time_s", "run_time_s", "steps_per_second", "real_time_factor",
+    "stopped_by", "findings", "contact_prediction", "record_every", "rows", "plan", "columns",
+    "world_scale", "manipulators", "simulated_time_s", "run_time_s", "steps_per_second",
+    "real_time_factor",
 ]  # fmt: skip
 OF_THE_MACHINE = {"engine", "numpy", "python", "platform"}
 OF_THE_RUN = {"run_time_s", "steps_per_second", "real_time_factor"}
@@ -29,7 +31,9 @@ OF_THE_RUN = {"run_time_s", "steps_per_second", "real_time_factor"}
 def found() -> dict[str, object]:
     plan = make_plan(scene_from_file("scene.yaml"))
     inputs = {"scene.yaml": "manipulators: ü\n", "finger.yaml": ""}
-    return metadata(plan, RunSummary(500, 51, 0.25), inputs, ["a=1", "b=2"], ["time_s", "x"])
+    count = PredictionCount(felt=90, crowded=20, most_points=60, unsolved=1)
+    summary = RunSummary(500, 51, 0.25, prediction=count)
+    return metadata(plan, summary, inputs, ["a=1", "b=2"], ["time_s", "x"])
 
 
 def test_the_keys(found: dict[str, object]) -> None:
@@ -52,6 +56,12 @@ def test_the_values(found: dict[str, object]) -> None:
         "steps": 500,
         "stopped_by": None,
         "findings": [],
+        "contact_prediction": {
+            "steps_with_contact": 90,
+            "most_points": 60,
+            "steps_with_too_many_points": 20,
+            "steps_without_solution": 1,
+        },
         "record_every": 10,
         "rows": 51,
         "plan": plain_data(make_plan(scene_from_file("scene.yaml"))),

@@ -26,18 +26,21 @@ ask for need not be possible. So W is made a little larger on its diagonal: with
 fingers that held a cube by two points each threw it away, from 1e-4 to 1e-2 all is well. It takes
 a share off the change where many points share it, and nothing off equilibria, which have none.
 
-All vectors are in axes of their point: its normal, then two across it.
+All vectors are in axes of their point: its normal, then two across it. Points without friction
+have the normal alone. `rows_of_points` tells which rows of all (3 m) that leaves.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from somo_cli.arrays import Array, invert
+from somo_cli.simulation.dynamics.link_frames import IntArray
 
 ROUNDS = 8  # of solving anew: almost always one or two are enough
 LIMIT = 1e-5  # relative: friction as near to its limit slides
@@ -61,45 +64,50 @@ class Surfaces:
 class ContactProblem:
     """The problem at points that stay the same for a few steps.
 
-    `states` below tell which points stick and which slide, m of them; `forces`, (3 m,), are F, and
-    `velocities`, (3 m,), relative velocities of first to second now.
+    `states` below tell which points stick and which slide, m of them; `forces`, (rows,), are F, and
+    `velocities`, (rows,), relative velocities of first to second now.
     """
 
     def __init__(self, compliance: Array, surfaces: Surfaces, step: float) -> None:
-        """Take W, (3 m, 3 m), which is positive semidefinite, and the step h [s]."""
+        """Take W, (rows, rows), which is positive semidefinite, and the step h [s]."""
         size = len(compliance)
+        self._friction: list[float] = surfaces.friction.tolist()
+        widths = [3 if friction > 0 else 1 for friction in self._friction]
+        self.normals = list(itertools.accumulate(widths, initial=0))[:-1]
+        """The rows of the normals."""
+        self._rubbing = [
+            (point, at, friction)
+            for point, (at, friction) in enumerate(zip(self.normals, self._friction, strict=True))
+            if friction > 0
+        ]
         self._compliance = compliance.copy()
         diagonal = self._compliance.reshape(-1)[:: size + 1]
         self._scale = float(diagonal.sum()) / size  # of rows that hold no compliance
         diagonal += REGULAR * self._scale
-        self._soft = (surfaces.compliance / step).tolist()
+        self._soft: Array = surfaces.compliance / step
         self._sticking = self._compliance.copy()  # the matrix of the equations where all stick
-        self._sticking.reshape(-1)[:: 3 * (size + 1)] += surfaces.compliance / step
-        self._friction: list[float] = surfaces.friction.tolist()
+        self._sticking[self.normals, self.normals] += self._soft
         self._step = step
 
     def operators(
         self, states: Sequence[int], forces: Array, velocities: Array
     ) -> tuple[Array, Array]:
-        """Return K and L, (3 m, 3 m) each: D = K (t n - free) / h + L F where no state changes."""
+        """Return K and L, (rows, rows): D = K (t n - free) / h + L F where no state changes."""
         flat = forces.tolist()
-        directions = [_along(*flat[at : at + 2]) for at in range(1, len(flat), 3)]
-        dampings = self._dampings(states, flat, velocities.tolist())
+        directions = self._directions(flat)
+        dampings = self._dampings(flat, velocities.tolist())
         inverse = invert(self._matrix(states, directions, dampings))
         by_need, by_force = inverse.copy(), np.zeros_like(inverse)
-        for point, (state, soft) in enumerate(zip(states, self._soft, strict=True)):
-            normal, one, two = range(3 * point, 3 * point + 3)
-            if soft:
-                by_force[:, normal] = -soft * inverse[:, normal]
-            if state == SLIDING:
+        by_force[:, self.normals] = -self._soft * inverse[:, self.normals]
+        for point, at, friction in self._rubbing:
+            if states[point] == SLIDING:
                 a, b = directions[point]
-                across, limit = inverse[:, one], self._scale * inverse[:, two]
-                moves = float(self._friction[point] > 0)
-                by_need[:, one], by_need[:, two] = -b * moves * across, a * moves * across
-                by_force[:, normal] += self._friction[point] * limit
+                across, limit = inverse[:, at + 1], self._scale * inverse[:, at + 2]
+                by_need[:, at + 1], by_need[:, at + 2] = -b * across, a * across
+                by_force[:, at] += friction * limit
                 turn = dampings[point] * across
-                by_force[:, one] = b * turn - a * limit
-                by_force[:, two] = -a * turn - b * limit
+                by_force[:, at + 1] = b * turn - a * limit
+                by_force[:, at + 2] = -a * turn - b * limit
         return by_need, by_force
 
     def solve(
@@ -110,128 +118,146 @@ class ContactProblem:
         free: Array,
         target: Array,
     ) -> Array | None:
-        """Return D, (3 m,), with points opened and slid until no law is broken; None if it fails.
+        """Return D, (rows,), with points opened and slid until no law is broken; None if it fails.
 
-        `free`, (3 m,), are relative velocities at the end of the step for D = 0, and `target`,
+        `free`, (rows,), are relative velocities at the end of the step for D = 0, and `target`,
         (m,), is t.
         """
         need = -free
-        need[::3] += target
+        need[self.normals] += target
         need /= self._step
         states, flat = list(states), forces.tolist()
-        dampings = self._dampings([SLIDING] * len(states), flat, velocities.tolist())
-        directions = [_along(*flat[at : at + 2]) for at in range(1, len(flat), 3)]
+        dampings = self._dampings(flat, velocities.tolist())
+        directions = self._directions(flat)
         least = -SIGN * (1 + max(flat, default=0.0))
         for _ in range(ROUNDS):
             matrix = self._matrix(states, directions, dampings)
-            right = self._right_side(states, directions, dampings, flat, need.tolist())
+            right = self._right_side(states, directions, dampings, forces, need)
             change: Array = invert(matrix).dot(right)
             coming = free + self._step * self._compliance.dot(change)
             found = (forces + change).tolist(), coming.tolist()
             if not self._changes_states(states, directions, *found, least):
-                return change
+                return None if math.isnan(found[0][0]) else change
         return None
 
-    def _dampings(
-        self, states: Sequence[int], forces: Sequence[float], velocities: Sequence[float]
-    ) -> list[float]:
-        """Return e of points that slide; without friction, what makes F + D none along p."""
-        found = []
-        for point, (state, friction) in enumerate(zip(states, self._friction, strict=True)):
-            damping = 0.0
-            if state == SLIDING:
-                damping = self._scale
-                limit = friction * forces[3 * point]
-                if friction > 0:
-                    speed = math.hypot(*velocities[3 * point + 1 : 3 * point + 3])
-                    damping = speed / (limit * self._step) if limit > 0 else 0.0
-            found.append(damping)
+    def _directions(self, forces: Sequence[float]) -> dict[int, Direction]:
+        """Return d of points with friction."""
+        return {point: _along(forces[at + 1], forces[at + 2]) for point, at, _ in self._rubbing}
+
+    def _dampings(self, forces: Sequence[float], velocities: Sequence[float]) -> dict[int, float]:
+        """Return e of points with friction, where they slide."""
+        found = {}
+        for point, at, friction in self._rubbing:
+            limit = friction * forces[at]
+            speed = math.hypot(velocities[at + 1], velocities[at + 2])
+            found[point] = speed / (limit * self._step) if limit > 0 else 0.0
         return found
 
     def _matrix(
-        self, states: Sequence[int], directions: Sequence[Direction], dampings: Sequence[float]
+        self,
+        states: Sequence[int],
+        directions: Mapping[int, Direction],
+        dampings: Mapping[int, float],
     ) -> Array:
         """Return the matrix of the equations for D; those of d come last of a point that slides."""
         matrix = self._sticking.copy()
         scale = self._scale
-        for point, state in enumerate(states):
-            if state == STICKING:
-                continue
-            normal, one, two = range(3 * point, 3 * point + 3)
-            if state == OPEN:
-                matrix[normal : two + 1] = 0.0
-                matrix[normal, normal] = matrix[one, one] = matrix[two, two] = scale
-                continue
-            a, b = directions[point]
-            friction, damping = self._friction[point], dampings[point]
-            if friction > 0:
-                matrix[one] = a * matrix[two] - b * matrix[one]
-            else:
-                matrix[one] = 0.0
-            matrix[one, one] -= b * damping
-            matrix[one, two] += a * damping
-            matrix[two] = 0.0
-            matrix[two, normal : two + 1] = -friction * scale, a * scale, b * scale
+        for point, at, friction in self._rubbing:
+            if states[point] == SLIDING:
+                (a, b), damping = directions[point], dampings[point]
+                matrix[at + 1] = a * matrix[at + 2] - b * matrix[at + 1]
+                matrix[at + 1, at + 1] -= b * damping
+                matrix[at + 1, at + 2] += a * damping
+                matrix[at + 2] = 0.0
+                matrix[at + 2, at : at + 3] = -friction * scale, a * scale, b * scale
+        for row in self._open_rows(states):
+            matrix[row] = 0.0
+            matrix[row, row] = scale
         return matrix
 
     def _right_side(
         self,
         states: Sequence[int],
-        directions: Sequence[Direction],
-        dampings: Sequence[float],
-        forces: Sequence[float],
-        need: Sequence[float],
-    ) -> list[float]:
-        """Return the right side of the equations for D, 3 m numbers; `need` is (t n - free) / h."""
-        right: list[float] = []
-        for point, state in enumerate(states):
-            at = 3 * point
-            (force, one, two), (gap, u, w) = forces[at : at + 3], need[at : at + 3]
-            if state == OPEN:
-                right += -self._scale * force, -self._scale * one, -self._scale * two
-                continue
-            right.append(gap - self._soft[point] * force)
-            if state == STICKING:
-                right += u, w
-                continue
-            (a, b), friction = directions[point], self._friction[point]
-            asked = a * w - b * u if friction > 0 else 0.0
-            right.append(asked - dampings[point] * (a * two - b * one))
-            right.append(self._scale * (friction * force - a * one - b * two))
+        directions: Mapping[int, Direction],
+        dampings: Mapping[int, float],
+        forces: Array,
+        need: Array,
+    ) -> Array:
+        """Return the right side of the equations for D, (rows,); `need` is (t n - free) / h."""
+        right = need.copy()
+        right[self.normals] -= self._soft * forces[self.normals]
+        for point, at, friction in self._rubbing:
+            if states[point] == SLIDING:
+                a, b = directions[point]
+                force, one, two = forces[at : at + 3].tolist()
+                asked = a * need[at + 2] - b * need[at + 1]
+                right[at + 1] = asked - dampings[point] * (a * two - b * one)
+                right[at + 2] = self._scale * (friction * force - a * one - b * two)
+        for row in self._open_rows(states):
+            right[row] = -self._scale * forces[row]
         return right
+
+    def _open_rows(self, states: Sequence[int]) -> Iterator[int]:
+        """Yield the rows of points that do not press any more."""
+        for at, state, friction in zip(self.normals, states, self._friction, strict=True):
+            if state == OPEN:
+                yield from range(at, at + (3 if friction > 0 else 1))
 
     def _changes_states(
         self,
         states: list[int],
-        directions: list[Direction],
+        directions: dict[int, Direction],
         whole: Sequence[float],
         coming: Sequence[float],
         least: float,
     ) -> bool:
         """Change the states of points that break a law; whether any did.
 
-        `whole`, 3 m numbers, is F + D, `coming` are the velocities that it leads to.
+        `whole`, as many as rows, is F + D, `coming` are the velocities that it leads to.
         """
         changed = False
-        for point, (state, friction) in enumerate(zip(states, self._friction, strict=True)):
-            at = 3 * point
-            normal, one, two = whole[at : at + 3]
+        for point, (state, at, friction) in enumerate(
+            zip(states, self.normals, self._friction, strict=True)
+        ):
             if state == OPEN:
                 continue
-            if normal < least:
+            if whole[at] < least:
                 states[point] = OPEN
-            elif state == STICKING:
-                if math.hypot(one, two) <= friction * normal * (1 + LIMIT) + 1e-12:
-                    continue
-                states[point], directions[point] = SLIDING, _along(one, two)
-            else:
-                # friction that would push a point the way it goes does not slide
-                a, b = directions[point]
-                if friction == 0 or a * coming[at + 1] + b * coming[at + 2] <= SIGN:
-                    continue
-                states[point] = STICKING
-            changed = True
+                changed = True
+            elif friction > 0:
+                is_new = self._changes_friction(point, states, directions, whole, coming)
+                changed = changed or is_new
         return changed
+
+    def _changes_friction(
+        self,
+        point: int,
+        states: list[int],
+        directions: dict[int, Direction],
+        whole: Sequence[float],
+        coming: Sequence[float],
+    ) -> bool:
+        """Have a point slide that cannot stick, or stick that would slide backwards."""
+        at, friction = self.normals[point], self._friction[point]
+        normal, one, two = whole[at : at + 3]
+        if states[point] == STICKING:
+            if math.hypot(one, two) <= friction * normal * (1 + LIMIT) + 1e-12:
+                return False
+            states[point], directions[point] = SLIDING, _along(one, two)
+            return True
+        # friction that would push a point the way it goes does not slide
+        a, b = directions[point]
+        if a * coming[at + 1] + b * coming[at + 2] <= SIGN:
+            return False
+        states[point] = STICKING
+        return True
+
+
+def rows_of_points(friction: Array) -> IntArray:
+    """Return the rows, of three for each point, that the problem has: of some the normal alone."""
+    kept = np.ones((len(friction), 3), dtype=bool)
+    kept[friction == 0, 1:] = False
+    return np.flatnonzero(kept)
 
 
 def _along(one: float, two: float) -> Direction:

@@ -12,7 +12,8 @@ Points that do not press yet are left out: predicted too early, they threw objec
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from typing import TypeAlias
+from dataclasses import dataclass
+from typing import NamedTuple
 
 from somo_cli.simulation.engine.interface import World
 from somo_cli.simulation.engine.pressing import ContactReader, Pair
@@ -21,12 +22,34 @@ from somo_cli.simulation.integrator.contact_coordinates import Object, Part, coo
 from somo_cli.simulation.integrator.coupled_contact import CoupledContact
 from somo_cli.simulation.plan.model import Plan
 
-MOST_POINTS = 24  # more pressing points are not predicted: a step would take many times as long
+MOST_POINTS = 48  # that press with friction, or three times as many without: more are not
+# predicted, since a step would take many times as long
 STEPS_KEPT = 8  # for which the geometry of contact is reused while the same points press
 MOST_KNOWN = 1000  # sets of points of which is kept where they are felt
 
-Felt: TypeAlias = tuple[Sequence[int], Sequence[int]]
-"""Which points the law of some body feels, and which parts are there."""
+
+class Felt(NamedTuple):
+    """Which points the law of some body feels, which parts are there, and how many equations."""
+
+    points: Sequence[int] = ()
+    parts: Sequence[int] = ()
+    rows: int = 0
+
+
+@dataclass(slots=True)
+class PredictionCount:
+    """In how many steps a law felt contact, and in how many of them it was not predicted."""
+
+    steps: int = 0
+    felt: int = 0
+    crowded: int = 0
+    """Steps in which more points pressed than are predicted."""
+    most_points: int = 0
+    """The most points that a law felt in a step."""
+    unsolved: int = 0
+    """Steps in which no change of the forces was found that obeys the laws of contact."""
+    first: tuple[int, Sequence[int]] | None = None
+    """The first step that was not predicted, and the bodies and objects that pressed in it."""
 
 
 class ContactPrediction:
@@ -49,12 +72,15 @@ class ContactPrediction:
         self._seen = 0  # steps in a row in which something was near
         self._known: dict[tuple[Hashable, ...], Felt] = {}
         self._keys: Sequence[Hashable] = ()  # which links press, at all points
-        self._felt: Felt = ((), ())
+        self._felt = Felt()
+        self.count = PredictionCount()
+        """What was predicted so far."""
         self._contact: CoupledContact | None = None
         self._age = 0
 
     def apply(self, is_check: bool) -> None:
         """Apply the torques of the coming step; `is_check` if motion is checked at its start."""
+        self.count.steps += 1
         if not self._is_felt():
             for stepper in self._steppers:
                 (stepper.apply_at_check if is_check else stepper.apply_torques)()
@@ -62,6 +88,9 @@ class ContactPrediction:
         for stepper in self._steppers:
             stepper.predict(is_check)
         changes = self._present_contact().changes(self._reader.forces())
+        if not changes:
+            self.count.unsolved += 1
+            self._note_unpredicted()
         for number, stepper in enumerate(self._steppers):
             stepper.finish(changes.get(number))
 
@@ -69,7 +98,7 @@ class ContactPrediction:
         """Whether a contact presses that the law of some body feels; takes what presses."""
         keys = self._reader.pressing()
         if keys is None:
-            self._seen, self._keys, self._felt, self._contact = 0, (), ((), ()), None
+            self._seen, self._keys, self._felt, self._contact = 0, (), Felt(), None
             return False
         self._seen += 1
         for observe in self._observers:
@@ -78,8 +107,21 @@ class ContactPrediction:
             return False
         if keys != self._keys:
             self._follow(keys)
-        kept = self._felt[0]
-        return 0 < len(kept) <= MOST_POINTS
+        felt, count = self._felt, self.count
+        if not felt.points:
+            return False
+        count.felt += 1
+        count.most_points = max(count.most_points, len(felt.points))
+        if felt.rows > 3 * MOST_POINTS:
+            count.crowded += 1
+            self._note_unpredicted()
+            self._contact = None
+            return False
+        return True
+
+    def _note_unpredicted(self) -> None:
+        if self.count.first is None:
+            self.count.first = self.count.steps - 1, self._felt.parts
 
     def _follow(self, keys: Sequence[Hashable]) -> None:
         """Find which of the points that press now are felt; the contact stays if they are known."""
@@ -87,12 +129,18 @@ class ContactPrediction:
         if felt is None:
             if len(self._known) >= MOST_KNOWN:
                 self._known.clear()
-            felt = self._known[tuple(keys)] = connected(self._reader.pairs(), self._parts)
-        before = [self._keys[index] for index in self._felt[0]]
-        if before != [keys[index] for index in felt[0]]:
+            felt = self._known[tuple(keys)] = self._find_felt()
+        before = [self._keys[index] for index in self._felt.points]
+        if before != [keys[index] for index in felt.points]:
             self._contact = None
         self._keys, self._felt = keys, felt
-        self._reader.follow(felt[0])
+        self._reader.follow(felt.points)
+
+    def _find_felt(self) -> Felt:
+        pairs = self._reader.pairs()
+        points, parts = connected(pairs, self._parts)
+        frictions = [self._reader.pair(pairs[index]).friction for index in points]
+        return Felt(points, parts, sum(3 if friction > 0 else 1 for friction in frictions))
 
     def _present_contact(self) -> CoupledContact:
         """Return the contact at the points that are felt, its geometry renewed where it is old."""
@@ -103,13 +151,13 @@ class ContactPrediction:
         self._age = 0
         points = self._reader.points()
         if contact is None or not contact.is_still(points):
-            parts = [(number, self._parts[number]) for number in self._felt[1]]
+            parts = [(number, self._parts[number]) for number in self._felt.parts]
             contact = self._contact = CoupledContact(points, parts, self._reader, self._step)
         contact.renew()
         return contact
 
 
-def connected(pairs: Sequence[Pair], parts: Sequence[Part]) -> Felt:
+def connected(pairs: Sequence[Pair], parts: Sequence[Part]) -> tuple[list[int], list[int]]:
     """Return the contacts that act on a law, directly or through movable parts, and those parts."""
     count = len(parts)
     reached = {number for number in range(count) if parts[number].joints}

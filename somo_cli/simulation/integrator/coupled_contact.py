@@ -8,9 +8,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from somo_cli.arrays import Array
-from somo_cli.simulation.dynamics.chain_dynamics import skew_matrices
+from somo_cli.simulation.dynamics.cross_products import skew_matrices
 from somo_cli.simulation.engine.pressing import ContactReader, PressingForces, PressingPoints
-from somo_cli.simulation.integrator.contact_change import SLIDING, ContactProblem, Surfaces
+from somo_cli.simulation.integrator.contact_change import (
+    SLIDING,
+    ContactProblem,
+    Surfaces,
+    rows_of_points,
+)
 from somo_cli.simulation.integrator.contact_coordinates import Part
 
 TURNED = 0.01  # by which normals may turn [rad] until the geometry of contact is renewed, and by
@@ -36,14 +41,16 @@ class CoupledContact:
         self._lay_down([part.size for part in self._parts], len(points.pairs))
         self._angles = [part.angles() for part in self._parts]
         self._axes = _axes(points.normals)
-        self._jacobian = self._make_jacobian([number for number, _ in parts])
         self._surfaces = _surfaces(points, reader, step)
+        self._rows = rows_of_points(self._surfaces.friction)
+        whole = self._make_jacobian([number for number, _ in parts])
+        self._jacobian = whole[self._rows]
         frictions: list[float] = self._surfaces.friction.tolist()
         self._limits = [one * one * LENIENT for one in frictions]
         compliance = self._lay_responses([number for number, _ in parts])
         self._problem = ContactProblem(compliance, self._surfaces, step)
         # closing velocities from the coordinates, to be added to gaps
-        self._closing: Array = step * self._jacobian[::3]
+        self._closing: Array = step * whole[::3]
         self._operators: dict[bytes, Array] = {}
 
     def _lay_down(self, sizes: Sequence[int], points: int) -> None:
@@ -98,7 +105,12 @@ class CoupledContact:
     def renew(self) -> None:
         """Have the operators made anew: friction that slides depends on the velocity."""
         self._operators = {
-            states: kept for states, kept in self._operators.items() if SLIDING not in states
+            states: kept
+            for states, kept in self._operators.items()
+            if not any(
+                state == SLIDING and limit > 0
+                for state, limit in zip(states, self._limits, strict=True)
+            )
         }
 
     def changes(self, pressing: PressingForces) -> Mapping[int, Array]:
@@ -124,20 +136,22 @@ class CoupledContact:
 
     def _breaks_a_law(self, whole: Sequence[float], is_sliding: Sequence[bool]) -> bool:
         """Whether a normal force is negative, or friction that sticks beyond its limit."""
-        at = 0
-        for limit, slides in zip(self._limits, is_sliding, strict=True):
-            normal, one, two = whole[at : at + 3]
-            at += 3
-            if normal < 0 or not (slides or one * one + two * two <= limit * normal * normal):
+        for limit, at, slides in zip(self._limits, self._problem.normals, is_sliding, strict=True):
+            normal = whole[at]
+            if normal < 0:
                 return True
+            if not slides:
+                one, two = whole[at + 1], whole[at + 2]
+                if one * one + two * two > limit * normal * normal:
+                    return True
         return False
 
     def _make_operator(self, states: bytes) -> Array:
         """Return what is linear in the input: accelerations of joints, then whole forces."""
-        h, m = self._step, len(states)
+        h = self._step
         velocities = self._jacobian.dot(self._now)
         by_need, by_force = self._problem.operators(states, self._forces_in_axes(), velocities)
-        by_target = by_need[:, ::3] / (h * h)
+        by_target = by_need[:, self._problem.normals] / (h * h)
         change = np.concatenate(
             [
                 self._from_world(by_force),
@@ -148,7 +162,7 @@ class CoupledContact:
             axis=1,
         )
         to_joints = self._brought_to_joints.dot(change)
-        change[:, : 3 * m] += self._from_world(np.eye(3 * m))
+        change[:, : len(self._forces)] += self._from_world(np.eye(len(self._rows)))
         operator: Array = np.concatenate([to_joints, change])
         return operator
 
@@ -163,15 +177,16 @@ class CoupledContact:
         )
 
     def _forces_in_axes(self) -> Array:
-        """Return the forces in the axes of their points, (3 m,)."""
+        """Return the forces in the axes of their points, (rows,)."""
         turned: Array = np.matmul(self._axes, self._forces.reshape(-1, 3, 1)).reshape(-1)
-        return turned
+        return turned[self._rows]
 
     def _from_world(self, by_force: Array) -> Array:
         """Return what is linear in forces in the axes of points, for forces in the world."""
-        size = len(by_force)
-        turned: Array = np.matmul(by_force.reshape(size, -1, 1, 3), self._axes)
-        return turned.reshape(size, -1)
+        whole: Array = np.zeros((len(by_force), len(self._forces)))
+        whole[:, self._rows] = by_force
+        turned: Array = np.matmul(whole.reshape(len(whole), -1, 1, 3), self._axes)
+        return turned.reshape(len(whole), -1)
 
     def _make_jacobian(self, numbers: Sequence[int]) -> Array:
         """Return how points move on first sides against second ones, in their axes, (3 m, size)."""

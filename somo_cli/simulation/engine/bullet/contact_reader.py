@@ -12,7 +12,6 @@ from somo_cli.simulation.engine.bullet.contact_parameters import contact_paramet
 from somo_cli.simulation.engine.bullet.last_contacts import (
     NORMAL_FORCE,
     ContactKey,
-    EngineContact,
     EngineLinkId,
     LastContacts,
 )
