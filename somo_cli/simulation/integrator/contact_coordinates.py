@@ -32,6 +32,8 @@ class Part(Protocol):
     """How many of them, the first, are joints, which follow the law."""
     links_others: bool
     """Whether a force on it is felt by what else touches it."""
+    has_fixed_coordinates: bool
+    """Whether its coordinates stay what they are when another Jacobian is asked for."""
 
     def jacobian(self, links: Array, points: Array) -> Array:
         """Return how points of links, (m, 3) in the world, move, shape (m, 3, size)."""
@@ -53,6 +55,7 @@ class Joints:
     """The joints of a body whose base is held."""
 
     links_others = True
+    has_fixed_coordinates = True
 
     def __init__(self, stepper: BodyStepper) -> None:
         self.stepper = stepper
@@ -124,6 +127,8 @@ class JointsOnFreeBase(Joints):
     the joints feel contact by J_j - J_b G', and the compliances of both add up.
     """
 
+    has_fixed_coordinates = False  # G is that of the last Jacobian
+
     def __init__(self, stepper: BodyStepper) -> None:
         super().__init__(stepper)
         self._body = cast(WorldFreeBody, stepper.world_body)
@@ -165,6 +170,7 @@ class Object:
 
     joints = 0
     size = 6
+    has_fixed_coordinates = True
 
     def __init__(self, thing: WorldObject, is_free: bool) -> None:
         self._thing = thing

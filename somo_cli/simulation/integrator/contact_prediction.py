@@ -25,6 +25,7 @@ from somo_cli.simulation.plan.model import Plan
 MOST_POINTS = 48  # that press with friction, or three times as many without: more are not
 # predicted, since a step would take many times as long
 STEPS_KEPT = 8  # for which the geometry of contact is reused while the same points press
+MOST_RECENT = 4  # sets of points of which the geometry is kept
 MOST_KNOWN = 1000  # sets of points of which is kept where they are felt
 
 
@@ -75,7 +76,9 @@ class ContactPrediction:
         self._felt = Felt()
         self.count = PredictionCount()
         """What was predicted so far."""
+        self._felt_keys: tuple[Hashable, ...] = ()
         self._contact: CoupledContact | None = None
+        self._recent: dict[tuple[Hashable, ...], CoupledContact] = {}
         self._age = 0
 
     def apply(self, is_check: bool) -> None:
@@ -99,6 +102,7 @@ class ContactPrediction:
         keys = self._reader.pressing()
         if keys is None:
             self._seen, self._keys, self._felt, self._contact = 0, (), Felt(), None
+            self._felt_keys = ()
             return False
         self._seen += 1
         for observe in self._observers:
@@ -130,9 +134,10 @@ class ContactPrediction:
             if len(self._known) >= MOST_KNOWN:
                 self._known.clear()
             felt = self._known[tuple(keys)] = self._find_felt()
-        before = [self._keys[index] for index in self._felt.points]
-        if before != [keys[index] for index in felt.points]:
-            self._contact = None
+        before = self._felt_keys
+        self._felt_keys = tuple(keys[index] for index in felt.points)
+        if before != self._felt_keys:
+            self._contact, self._age = self._recent.get(self._felt_keys), STEPS_KEPT
         self._keys, self._felt = keys, felt
         self._reader.follow(felt.points)
 
@@ -153,8 +158,18 @@ class ContactPrediction:
         if contact is None or not contact.is_still(points):
             parts = [(number, self._parts[number]) for number in self._felt.parts]
             contact = self._contact = CoupledContact(points, parts, self._reader, self._step)
+            if all(part.has_fixed_coordinates for _, part in parts):
+                self._remember(contact)
         contact.renew()
         return contact
+
+    def _remember(self, contact: CoupledContact) -> None:
+        """Keep a contact: points that bounce come and go every few steps."""
+        recent = self._recent
+        recent.pop(self._felt_keys, None)
+        if len(recent) >= MOST_RECENT:
+            del recent[next(iter(recent))]
+        recent[self._felt_keys] = contact
 
 
 def connected(pairs: Sequence[Pair], parts: Sequence[Part]) -> tuple[list[int], list[int]]:

@@ -39,7 +39,9 @@ class CoupledContact:
         self._parts = [part for _, part in parts]
         self._step = step
         self._lay_down([part.size for part in self._parts], len(points.pairs))
-        self._angles = [part.angles() for part in self._parts]
+        spread = float(np.abs(points.on_first - points.on_first[0]).max())
+        self._per_spread = TURNED / (MOVED * spread) if spread > 0 else 0.0
+        self._placed = self._place(points)
         self._axes = _axes(points.normals)
         self._surfaces = _surfaces(points, reader, step)
         self._rows = rows_of_points(self._surfaces.friction)
@@ -52,6 +54,7 @@ class CoupledContact:
         # closing velocities from the coordinates, to be added to gaps
         self._closing: Array = step * whole[::3]
         self._operators: dict[bytes, Array] = {}
+        self._passing: list[bytes] = []  # states in which the operator depends on the velocity
 
     def _lay_down(self, sizes: Sequence[int], points: int) -> None:
         """Make the vector that the changes are linear in: forces, targets, coming coordinates."""
@@ -89,29 +92,20 @@ class CoupledContact:
 
     def is_still(self, points: PressingPoints) -> bool:
         """Whether the geometry is still good where the same links press."""
-        old = self._points
-        if np.abs(points.normals - old.normals).max() > TURNED:
-            return False
-        spread = old.on_first - old.on_first[0]
-        moved = points.on_first - points.on_first[0] - spread
-        if np.abs(moved).max() > MOVED * np.abs(spread).max():
-            return False
-        return all(
-            np.abs(part.angles() - angles).max() <= TURNED
-            for part, angles in zip(self._parts, self._angles, strict=True)
-            if part.joints
-        )
+        change = self._place(points) - self._placed
+        return bool(change.max() <= TURNED and change.min() >= -TURNED)
+
+    def _place(self, points: PressingPoints) -> Array:
+        """Return what may change by TURNED: joint angles, normals, and where points are."""
+        among = (points.on_first - points.on_first[0]) * self._per_spread
+        angles = [part.angles() for part in self._parts]
+        return np.concatenate([*angles, points.normals.ravel(), among.ravel()])
 
     def renew(self) -> None:
         """Have the operators made anew: friction that slides depends on the velocity."""
-        self._operators = {
-            states: kept
-            for states, kept in self._operators.items()
-            if not any(
-                state == SLIDING and limit > 0
-                for state, limit in zip(states, self._limits, strict=True)
-            )
-        }
+        for states in self._passing:
+            del self._operators[states]
+        self._passing.clear()
 
     def changes(self, pressing: PressingForces) -> Mapping[int, Array]:
         """Return what the coming change of contact forces adds to the accelerations of bodies."""
@@ -125,7 +119,7 @@ class CoupledContact:
         states = bytes(is_sliding)  # of STICKING and SLIDING
         operator = self._operators.get(states)
         if operator is None:
-            operator = self._operators[states] = self._make_operator(states)
+            operator = self._make_operator(states)
         out: Array = operator.dot(self._input)
         if self._breaks_a_law(out[self._joints :].tolist(), is_sliding):
             change = self._solve_anew(states)
@@ -164,6 +158,11 @@ class CoupledContact:
         to_joints = self._brought_to_joints.dot(change)
         change[:, : len(self._forces)] += self._from_world(np.eye(len(self._rows)))
         operator: Array = np.concatenate([to_joints, change])
+        if any(
+            one == SLIDING and limit > 0 for one, limit in zip(states, self._limits, strict=True)
+        ):
+            self._passing.append(states)
+        self._operators[states] = operator
         return operator
 
     def _solve_anew(self, states: bytes) -> Array | None:
