@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
+import select
 import shutil
+import stat
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -16,7 +19,7 @@ from somo_cli.problems import LINE_BREAK, MAX_TEXT_BYTES, InvalidFile, Problem, 
 
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:")
 _STREAMS = ("/dev/stdin", "/dev/stdout", "/dev/stderr", "/dev/fd/", "/proc/")
-_NO_FOLLOW = getattr(os, "O_NOFOLLOW", 0)
+MAX_WAIT = 5.0  # s for the writer of a pipe
 
 
 def read_text(path: str, largest: int = MAX_TEXT_BYTES) -> str:
@@ -71,29 +74,50 @@ def relative_path(path: str, other: str) -> str:
 def copy_examples(folder: str) -> list[str]:
     """Copy the shipped definitions, and the schemas they name, into a new folder.
 
-    Returns the paths of the copied definitions. Raises OSError, also if the folder exists.
+    The folder has all of them, or it does not come into being. Returns the paths of the copied
+    definitions. Raises OSError, also if the folder exists.
     """
     here = Path(__file__).parent
     shipped = here if (here / "definitions").is_dir() else here.parent  # wheel, else checkout
     target = Path(folder)
-    target.mkdir(parents=True)
-    for part in ("definitions", "schemas"):
-        shutil.copytree(shipped / part, target / part)
+    if os.path.lexists(target):
+        raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), folder)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    unfinished = Path(tempfile.mkdtemp(prefix=".somo-", dir=target.parent))
+    try:
+        unfinished.chmod(0o777 & ~_umask())
+        for part in ("definitions", "schemas"):
+            shutil.copytree(shipped / part, unfinished / part)
+        unfinished.rename(target)
+    except shutil.Error as error:  # a list of what could not be copied, and why
+        source, _, reason = error.args[0][0]
+        raise OSError(errno.EIO, f"{Path(source).name} was not copied: {reason}", folder) from error
+    finally:
+        shutil.rmtree(unfinished, ignore_errors=True)
     return sorted(str(path) for path in (target / "definitions").glob("*.yaml"))
+
+
+def _umask() -> int:
+    """Return the permissions that new files lack; asking for them sets them."""
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
 
 
 def open_standard_streams() -> None:
     """Open the null device for each standard stream that the shell closed.
 
-    Otherwise the next file that is opened would get the descriptor, and so what is printed.
+    Otherwise the next file that is opened would get the descriptor, and so what is printed. That of
+    standard output is opened for reading, so that writing to it fails, as it should.
     """
-    for descriptor, name, mode in ((0, "stdin", "r"), (1, "stdout", "w"), (2, "stderr", "w")):
+    access = (("stdin", "r", os.O_RDONLY), ("stdout", "w", os.O_RDONLY), ("stderr", "w", os.O_RDWR))
+    for descriptor, (name, mode, flags) in enumerate(access):
         try:
             os.fstat(descriptor)
         except OSError:
-            os.open(os.devnull, os.O_RDWR)
+            os.open(os.devnull, flags)  # the lowest descriptor that is free
         if getattr(sys, name) is None:
-            stream = Path(os.devnull).open(mode, encoding="utf-8")  # noqa: SIM115  # for good
+            stream = os.fdopen(descriptor, mode, encoding="utf-8", closefd=False)
             setattr(sys, name, stream)
 
 
@@ -104,8 +128,21 @@ def temporary_file() -> Iterator[BinaryIO]:
         yield stream
 
 
+def _opened(path: Path, source: str) -> BinaryIO:
+    """Return an open file; a pipe by name must have someone who writes within `MAX_WAIT`."""
+    if not stat.S_ISFIFO(path.stat().st_mode) or str(path.absolute()).startswith(_STREAMS):
+        return path.open("rb")
+    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+    if not select.select([descriptor], [], [], MAX_WAIT)[0]:
+        os.close(descriptor)
+        message = f"nobody has written to this pipe for {MAX_WAIT:g} s"
+        raise OSError(errno.ETIMEDOUT, message, source)
+    os.set_blocking(descriptor, True)
+    return os.fdopen(descriptor, "rb")
+
+
 def _read(path: Path, source: str, largest: int = MAX_TEXT_BYTES, is_binary: bool = False) -> str:
-    with path.open("rb") as stream:
+    with _opened(path, source) as stream:
         content = stream.read(largest + 1)
     start = Span(source, 1, 1)
     if len(content) > largest:

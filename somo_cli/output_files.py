@@ -59,11 +59,17 @@ def open_partial(path: str) -> Iterator[TextIO]:
     if path == "-":
         if sys.stdout is not None:
             sys.stdout.flush()
-        with _closing(os.fdopen(os.dup(1), "w", encoding="utf-8", newline="\n")) as stream:
+        with (
+            _named("standard output"),
+            _closing(os.fdopen(os.dup(1), "w", encoding="utf-8", newline="\n")) as stream,
+        ):
             yield stream
         return
     if is_direct(path):
-        with _closing(Path(path).open("w", encoding="utf-8", newline="\n")) as stream:
+        with (
+            _named(path),
+            _closing(Path(path).open("w", encoding="utf-8", newline="\n")) as stream,
+        ):
             yield stream
         return
     target, mode = _resolved_target(path)
@@ -74,10 +80,11 @@ def open_partial(path: str) -> Iterator[TextIO]:
         raise _with_path(error, path) from error
     stream = os.fdopen(raw, "w", encoding="utf-8", newline="\n")
     try:
-        yield stream
-        _flush_to_disk(stream)
-        # renamed while locked, so that no other run can use the partial file
-        _move_into_place(unfinished, target, mode)
+        with _named(path):
+            yield stream
+            _flush_to_disk(stream)
+            # renamed while locked, so that no other run can use the partial file
+            _move_into_place(unfinished, target, mode)
     except BaseException:
         with suppress(OSError):
             stream.flush()
@@ -181,6 +188,17 @@ def _move_into_place(finished: Path, target: Path, mode: int | None) -> None:
 
 def _with_path(error: OSError, path: str) -> OSError:
     return OSError(error.errno, error.strerror, path)
+
+
+@contextmanager
+def _named(path: str) -> Iterator[None]:
+    """Give an OSError that names no file, such as that of a full disk, the name of this one."""
+    try:
+        yield
+    except OSError as error:
+        if error.filename is not None or error.errno is None:
+            raise
+        raise _with_path(error, path) from error
 
 
 @contextmanager

@@ -161,3 +161,11 @@ class ExtraMissing(SomoError):
 
 class EngineMissing(SomoError):
     """The engine is not installed."""
+
+
+class Terminated(KeyboardInterrupt):
+    """A signal `number` has asked the program to end, as an interrupt does."""
+
+    def __init__(self, number: int) -> None:
+        self.number = number
+        super().__init__(number)

@@ -2,19 +2,19 @@
 
 import functools
 import os
-import sys
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
-from somo_cli import __version__, files, terminal
+from somo_cli import __version__, terminal
 from somo_cli.problems import (
     EngineMissing,
     EngineRefused,
     ExtraMissing,
     InvalidFile,
     SimulationDiverged,
+    Terminated,
 )
 
 if TYPE_CHECKING:
@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 
 EXIT_CODES = """Exit codes: 0 success; 1 a check found problems; 2 wrong usage; 3 the definition,
 scene or recording is invalid; 4 the simulation diverged; 5 a file cannot be read or written, or the
-engine or an extra is missing; 130 interrupted. A closed pipe ends a run quietly, with 0."""
+engine or an extra is missing; 130 interrupted; 143 or 129 ended by SIGTERM or SIGHUP. A closed
+pipe ends a run quietly, with 0."""
 
 app = typer.Typer(
     help="Simulate soft, continuum manipulators as chains of links and spring-dampers.",
@@ -62,12 +63,8 @@ QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="Print no summa
 
 
 def main() -> None:
-    """Run the command line."""
-    files.open_standard_streams()
-    try:
-        app()
-    except KeyboardInterrupt:
-        sys.exit(130)
+    """Run the command line; raises SystemExit with its code."""
+    app()
 
 
 def report_errors(command: Command) -> Command:
@@ -95,9 +92,14 @@ def report_errors(command: Command) -> Command:
             os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
             raise typer.Exit(0) from error
         except OSError as error:
-            terminal.print_message(f"somo: {error.filename or 'output'}: {error.strerror or error}")
+            terminal.print_message(
+                f"somo: {error.filename or 'standard output'}: {error.strerror or error}"
+            )
             raise typer.Exit(5) from error
         except KeyboardInterrupt as error:
+            if isinstance(error, Terminated):
+                terminal.print_message(f"somo: terminated by signal {error.number}")
+                raise typer.Exit(128 + error.number) from error
             terminal.print_message("somo: interrupted")
             raise typer.Exit(130) from error
 

@@ -63,7 +63,7 @@ KNOWS: dict[str, set[str]] = {
         "packages",
         "loading",
     },
-    "__main__": {"cli"},
+    "__main__": {"", "problems", "files", "terminal", "cli"},
     "": {"api", "document", "problems"},  # the public API, imported when it is used
 }
 """Every room from the ground up, and the rooms that it may import beside itself."""
