@@ -15,9 +15,9 @@ from somo_cli.simulation.engine.interface import World
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.run import run
+from tests.builders.guarded_world import Guarded, GuardedWorld, Use, all_members
 from tests.builders.runs import rows_of
 from tests.builders.scenes import scene_from_file, scene_from_text
-from tests.simulation.engine.guarded_world import Guarded, GuardedWorld, Use, all_members
 
 pytest.importorskip("pybullet")
 

@@ -9,7 +9,7 @@ from somo_cli.arrays import Array, invert
 from somo_cli.simulation.integrator.impacts import SMOOTH, limited_change
 from somo_cli.simulation.integrator.implicit_law import SpringDamperLaw
 from somo_cli.simulation.plan.joint_springs import JointSprings
-from tests.simulation.integrator.laws import (
+from tests.builders.spring_laws import (
     H,
     inertia,
     plain_torques,

@@ -7,7 +7,7 @@ import pytest
 
 from somo_cli.simulation.integrator.implicit_law import SpringDamperLaw
 from somo_cli.simulation.integrator.reused_correction import ReusedCorrection
-from tests.simulation.integrator.laws import (
+from tests.builders.spring_laws import (
     H,
     inertia,
     plain_torques,
