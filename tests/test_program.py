@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from somo_cli import files
-from tests.conftest import Somo
+from tests.builders.command import Somo
 
 DEFINITIONS = Path(__file__).parents[1] / "definitions"
 SOMO = (sys.executable, "-m", "somo_cli")
