@@ -6,13 +6,13 @@ import json
 from pathlib import Path
 
 import pytest
-from tests.loading import DEFINITIONS, scene_from_file
 
 from somo_cli.simulation.integrator.contact_prediction import PredictionCount
 from somo_cli.simulation.monitoring.unpredicted_contact import unpredicted_contact
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
 from tests.builders.command import Somo
+from tests.builders.scenes import DEFINITIONS, scene_from_file
 
 CRAWLER = str(DEFINITIONS / "crawler_scene.yaml")
 ISOTROPIC = "manipulators[0].surface={friction: 0.5, contact_stiffness: 1500, contact_damping: 10}"
