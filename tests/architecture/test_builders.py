@@ -45,7 +45,7 @@ def test_no_test_imports_another() -> None:
         ("tests.test_one", "from tests.scene import test_other as other"),
         ("tests.test_one", "import tests.test_other"),
         ("tests.test_one", "def late():\n    from tests.test_other import builder"),
-        ("tests.bench.tool", "from tests.builders.command import Somo"),
+        ("tests.bench.tool", "from tests.conftest import Somo"),
         ("tests.builders.some", "from tests.truth.surfaces import course"),
     ],
 )
