@@ -106,7 +106,8 @@ def refuse_scene(document: Document) -> None:
 
 
 def refuse_multiple(document: Document, found: scene_model.Scene, what_is: str) -> None:
-    """Raise InvalidFile for a scene of several manipulators; `what_is` ("a fit is") about one."""
+    """Raise InvalidFile unless a scene has one manipulator; `what_is` ("a fit is") about one."""
+    refuse_without_manipulators(document, found, f"{what_is} about one")
     if len(found.manipulators) > 1:
         place = document.span(("manipulators", 1))
         message = f"there are several manipulators, and {what_is} about one"
@@ -114,6 +115,14 @@ def refuse_multiple(document: Document, found: scene_model.Scene, what_is: str) 
     if found.manipulators[0].compiled.chain.limbs:
         is_scene = scene_model.is_scene(document)
         refuse_assembly(document, what_is, ("manipulators", 0, "definition") if is_scene else ())
+
+
+def refuse_without_manipulators(document: Document, found: scene_model.Scene, what_is: str) -> None:
+    """Raise InvalidFile for a scene of objects alone; `what_is` says what needs a manipulator."""
+    if not found.manipulators:
+        place = document.span(("manipulators",), key=True)
+        message = f"there is no manipulator, and {what_is}"
+        raise InvalidFile([Problem(place, message, "give a scene with one")], document.texts)
 
 
 def refuse_assembly(document: Document, what_is: str, at: Pointer = ()) -> None:
@@ -200,6 +209,10 @@ def _with_chosen_step(found: Scene, document: Document) -> Scene:
     from somo_cli.analysis.stability import recommended_step
     from somo_cli.simulation.plan.build import make_plan
 
+    if not found.manipulators:
+        place = document.span(("time_step",))
+        problem = Problem(place, scene_checks.NO_AUTOMATIC_TIME_STEP, "give a number")
+        raise InvalidFile([problem], document.texts)
     try:
         step, tip_error = recommended_step(make_plan(found))
     except SingularInertia as error:

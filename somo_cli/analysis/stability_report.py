@@ -16,17 +16,23 @@ INTEGRATORS: tuple[Integrator, ...] = ("implicit", "euler", "explicit")
 
 def table(report: NumericsReport) -> list[str]:
     """Return the modes of every body, the recommended steps and the verdict, as lines."""
+    plan = report.plan
     rows: list[list[str]] = []
     for one in report.forecasts:
         rows += [*_forecast_rows(one), []]
-    rows.append(["recommended step", *INTEGRATORS])
-    rows.append(["", *(f"{report.recommended_step_for(name):g} s" for name in INTEGRATORS)])
-    plan = report.plan
+    if plan.bodies:
+        rows.append(["recommended step", *INTEGRATORS])
+        rows.append(["", *(f"{report.recommended_step_for(name):g} s" for name in INTEGRATORS)])
     return [*table_lines(rows), f"{plan.integrator} at {plan.time_step:g} s: {_verdict(report)}"]
 
 
 def _verdict(report: NumericsReport) -> str:
     plan, limit = report.plan, report.explicit_step
+    if not plan.bodies:
+        return (
+            "not judged, since there are no manipulators, whose springs limit a time step; "
+            "run --error measures the error of the objects"
+        )
     if math.isnan(report.error):
         return "cannot be judged"
     if plan.integrator == "explicit":

@@ -97,6 +97,9 @@ def report(
     document = loading.load(scene, sets or [], *access_of(allow_outside, package))
     planned, warnings = loading.scene_of(document)
     terminal.print_problems(warnings, document.texts)
+    loading.refuse_without_manipulators(
+        document, planned, "the report measures errors of tips; run --error measures objects"
+    )
     loading.refuse_overlaps(document, planned)
     steps = _steps(time_steps, planned.time_step)
     settings = StudySettings(

@@ -194,11 +194,11 @@ def read_scene(document: Document, definitions: DefinitionCompiler | None = None
     trajectories = read_trajectories(data)
     manipulators = tuple(
         _manipulator(item, definitions.at(("manipulators", index, "definition")), trajectories)
-        for index, item in enumerate(data["manipulators"])
+        for index, item in enumerate(data.get("manipulators", ()))
     )
     scale = manipulator_read.world_scale(document)
     if scale is None:
-        scale = manipulators[0].compiled.scale or Scale()
+        scale = next((one.compiled.scale for one in manipulators), None) or Scale()
     time_step = data.get("time_step", DEFAULT_TIME_STEP)
     is_chosen = time_step == AUTOMATIC_TIME_STEP
     return Scene(

@@ -23,7 +23,7 @@ def can_touch(scene: Scene) -> bool:
     if any(one.has_self_collision for one in scene.manipulators):
         return True
     objects = [one for one in with_heights(scene.objects, scene.ground) if one.collides]
-    if len(scene.manipulators) == 1 and not objects and scene.ground is None:
+    if len(scene.manipulators) + len(objects) + (scene.ground is not None) < 2:
         return False
     if any(one.base != "static" for one in scene.manipulators):
         return True

@@ -51,7 +51,7 @@ class SimulationLoop:
         self._contact_monitor = contact_monitor
         self.is_steady = False
         """Whether nothing that acts changed in the last `advance`."""
-        is_foreseen = plan.can_touch and plan.integrator != "explicit"
+        is_foreseen = bool(plan.bodies) and plan.can_touch and plan.integrator != "explicit"
         self._prediction = (
             ContactPrediction(plan, world, world.contact_reader(), body_steppers)
             if is_foreseen

@@ -61,25 +61,29 @@ def plain_data(plan: Plan) -> list[dict[str, object]]:
 
 
 def _shape_decisions(plan: Plan) -> Iterator[Decision]:
-    solids = _count(savings.solids(plan), "shape")
+    solids = _count(savings.solids(plan), "shape") if plan.bodies else None
     yield _collision_shape_decision(plan, solids)
     if plan.keeps_unused:
         yield Decision("visual shapes", True, "asked for")
     else:
         yield Decision("visual shapes", False, "nothing is rendered", solids)
+    if not plan.bodies:
+        return
     merged = savings.merged_links(plan)
     why = "what is rigid is one link" if merged else "every link is one solid"
     saves = f"{_count(merged, 'link')} and as many fixed joints" if merged else None
     yield Decision("links joined by fixed joints", False, why, saves)
 
 
-def _collision_shape_decision(plan: Plan, solids: str) -> Decision:
+def _collision_shape_decision(plan: Plan, solids: str | None) -> Decision:
     what = "collision shapes"
     if plan.can_touch:
-        parts = [_count(len(plan.bodies), "manipulator")]
+        parts = [_count(len(plan.bodies), "manipulator")] if plan.bodies else []
         parts += [_count(len(plan.objects), "object")] if plan.objects else []
         parts += ["the ground"] if plan.ground is not None else []
         return Decision(what, True, f"{', '.join(parts)} can touch")
+    if not plan.bodies:
+        return Decision(what, True, "of objects they are loaded always, though nothing can touch")
     is_alone = len(plan.bodies) == 1 and not plan.objects and plan.ground is None
     what_is = (
         "one manipulator, no ground, no objects"
@@ -103,11 +107,8 @@ def _contact_decisions(plan: Plan) -> Iterator[Decision]:
     yield _prediction_decision(plan)
     slides = "found every few steps; only what slides, and not along the engine's own directions"
     yield Decision("direction of sliding friction", True, slides)
-    able = [body.name for body in plan.bodies if body.has_self_collision]
-    why = f"of {', '.join(able)}" if able else "self_collision is off"
-    spared = savings.untested_link_pairs(plan)
-    saves = f"{'at least ' if able else ''}{_count(spared, 'pair')} of links" if spared else None
-    yield Decision("collisions within a manipulator", bool(able), why, saves)
+    if plan.bodies:
+        yield _self_collision_decision(plan)
     if held := savings.fixed_pairs(plan):
         saves = _count(held, "pair")
         yield Decision("collisions of what is held", False, "neither would yield", saves)
@@ -122,6 +123,14 @@ def _contact_decisions(plan: Plan) -> Iterator[Decision]:
         yield Decision(what, False, "no anisotropic_friction", "a look at contact in every step")
 
 
+def _self_collision_decision(plan: Plan) -> Decision:
+    able = [body.name for body in plan.bodies if body.has_self_collision]
+    why = f"of {', '.join(able)}" if able else "self_collision is off"
+    spared = savings.untested_link_pairs(plan)
+    saves = f"{'at least ' if able else ''}{_count(spared, 'pair')} of links" if spared else None
+    return Decision("collisions within a manipulator", bool(able), why, saves)
+
+
 def _marker_decisions(plan: Plan) -> Iterator[Decision]:
     markers = [one.rigid_object.name for one in plan.objects if not one.rigid_object.collides]
     if markers:
@@ -130,6 +139,8 @@ def _marker_decisions(plan: Plan) -> Iterator[Decision]:
 
 def _prediction_decision(plan: Plan) -> Decision:
     what = "prediction of contact forces"
+    if not plan.bodies:
+        return Decision(what, False, "there are no joints whose springs could shake a grasp")
     if plan.integrator == "explicit":
         return Decision(what, False, "the explicit integrator does without")
     why = f"at up to {MOST_POINTS} points with friction, since a late force shakes a grasp"
@@ -137,19 +148,26 @@ def _prediction_decision(plan: Plan) -> Decision:
 
 
 def _joint_decisions(plan: Plan) -> Iterator[Decision]:
-    yield _motor_decision(plan)
-    yield _limit_decision(plan)
+    if plan.bodies:
+        yield _motor_decision(plan)
+        yield _limit_decision(plan)
+        yield _inertia_decision(plan)
+    paths = [*(body.path for body in plan.bodies), *(one.path for one in plan.objects)]
+    moved = any(path is not None for path in paths)
+    yield Decision("prescribed motion", moved, "motion is given" if moved else "no motion is given")
+    if plan.bodies:
+        is_loaded = any(body.loads for body in plan.bodies)
+        why = "loads are given" if is_loaded else "no loads"
+        yield Decision("external loads", is_loaded, why)
+
+
+def _inertia_decision(plan: Plan) -> Decision:
     angles = f"{FAST_REFRESH:g} rad, moving slowly {SLOW_REFRESH:g} rad"
     why = f"renewed once joints have moved by {angles}, or less where it changes faster"
     sizes = sorted({len(body.chain.joints) for body in plan.bodies})
     of_sizes = ", ".join(f"{size} x {size}" for size in sizes)
     saves = f"inertia and inverse, {of_sizes}, of {_count(len(plan.bodies), 'body')} in all others"
-    yield Decision("inertia of the joints in every step", False, why, saves)
-    paths = [*(body.path for body in plan.bodies), *(one.path for one in plan.objects)]
-    moved = any(path is not None for path in paths)
-    yield Decision("prescribed motion", moved, "motion is given" if moved else "no motion is given")
-    is_loaded = any(body.loads for body in plan.bodies)
-    yield Decision("external loads", is_loaded, "loads are given" if is_loaded else "no loads")
+    return Decision("inertia of the joints in every step", False, why, saves)
 
 
 def _rotation_decisions(plan: Plan) -> Iterator[Decision]:

@@ -21,7 +21,17 @@ from somo_cli.scene.checks import soft_ground as soft_ground_checks
 from somo_cli.scene.checks import sorotraj as sorotraj_checks
 from somo_cli.scene.checks import stop_conditions as stop_conditions_checks
 from somo_cli.scene.checks.manipulator import manipulator_problems
-from somo_cli.scene.model import FILE_POINTERS, Scene, manipulator_name_of, read_scene
+from somo_cli.scene.model import (
+    AUTOMATIC_TIME_STEP,
+    FILE_POINTERS,
+    Scene,
+    manipulator_name_of,
+    read_scene,
+)
+
+NO_AUTOMATIC_TIME_STEP = (
+    "no time step can be chosen: one is chosen for joints of manipulators, and the scene has none"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +73,8 @@ def check_scene(document: Document) -> CheckedScene:
                 )
         problems.extend(_name_problems(document, manipulators, is_sound))
         problems.extend(_scale_problems(document, manipulators, is_sound))
+    if is_sound(()):
+        problems.extend(_problems_without_manipulators(document))
     problems.extend(stop_conditions_checks.stop_condition_problems(document, is_sound))
     if missing or has_errors(problems):
         return CheckedScene(in_reading_order(problems, document.texts), None)
@@ -73,6 +85,28 @@ def check_scene(document: Document) -> CheckedScene:
     return CheckedScene(
         in_reading_order(problems, document.texts), scene if is_sound_as_a_whole else None
     )
+
+
+def _problems_without_manipulators(document: Document) -> Iterator[Problem]:
+    """Yield what is wrong with a scene of objects alone; its shape is that of the schema."""
+    data: Any = document.data
+    if data.get("manipulators"):
+        return
+    if all(item.get("fixed", False) for item in data.get("objects", ())):
+        yield Problem(
+            document.span(("manipulators",), key=True),
+            "the scene has no manipulators and no object that can move, so nothing happens in it",
+            "add manipulators, or an object that is not fixed",
+        )
+    if data.get("time_step") == AUTOMATIC_TIME_STEP:
+        yield Problem(document.span(("time_step",)), NO_AUTOMATIC_TIME_STEP, "give a number")
+    if data.get("record", {}).get("columns"):
+        yield Problem(
+            document.span(("record", "columns"), key=True),
+            "these are columns of manipulators, and the scene has none",
+            "leave it out; record.objects says what is recorded of objects",
+            "warning",
+        )
 
 
 def _is_below_any(pointer: Pointer, places: Mapping[Pointer, Problem]) -> bool:

@@ -108,9 +108,8 @@ class DivergenceMonitor:
             ratio = _max_energy_ratio(self._plan)
             check_objects(step, self._plan, self._objects, self._bodies, self._object_energy, ratio)
 
-    def count_valid_rows(self, histories: Sequence[StateHistory]) -> int:
+    def count_valid_rows(self, rows: int, histories: Sequence[StateHistory]) -> int:
         """Return the number of rows before the first invalid one; histories of all bodies."""
-        rows = len(histories[0].masses)
         present, max_rate = np.zeros(rows), np.zeros(rows)
         for one, history in zip(self._bodies, histories, strict=True):
             present += one.energy.energies(history.angles, history.rates, history.masses)
@@ -138,8 +137,10 @@ def check(
 
     It is summed over the bodies, because contact moves energy from one to another;
     `object_energy` bounds what objects have added. A joint that turns by more than
-    MAX_ANGLE_PER_STEP in one step counts as diverged, too.
+    MAX_ANGLE_PER_STEP in one step counts as diverged, too. Without bodies there is nothing to say.
     """
+    if not bodies:
+        return
     limit = MAX_ANGLE_PER_STEP / plan.time_step
     present = sum(one.energy.present for one in bodies)
     is_fast = not all(one.max_rate < limit for one in bodies)

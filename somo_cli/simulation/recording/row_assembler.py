@@ -121,7 +121,7 @@ class RowAssembler:
         steps = self._steps[: self._complete_rows]
         rows = len(steps)
         histories = [body.history(rows) for body in self._bodies]
-        valid = self._divergence_monitor.count_valid_rows(histories)
+        valid = self._divergence_monitor.count_valid_rows(rows, histories)
         table: Array = np.empty((self._width, valid))
         # 0.018, not 0.018000000000000002
         table[0] = [float(f"{step * self._time_step:.12g}") for step in steps[:valid]]

@@ -339,19 +339,21 @@ def test_rows_before_the_first_that_is_refused_are_sound() -> None:
         body.energy.add_work(1.0)
     monitor = DivergenceMonitor(plan, bodies)
     calm = history_of([HINGE_NEUTRAL] * 5, [0.1] * 5)
-    assert monitor.count_valid_rows([calm, calm]) == 5
+    assert monitor.count_valid_rows(5, [calm, calm]) == 5
     for wild in (1e6, -1e6, 1e3, math.nan, math.inf):
         swift = history_of([HINGE_NEUTRAL] * 5, [0.1, 0.1, wild, 0.1, wild])
         assert (
-            monitor.count_valid_rows([calm, swift]) == monitor.count_valid_rows([swift, calm]) == 2
+            monitor.count_valid_rows(5, [calm, swift])
+            == monitor.count_valid_rows(5, [swift, calm])
+            == 2
         )
         with pytest.raises(SimulationDiverged) as caught:
             monitor.raise_diverged(7, [calm, swift], 2)
         assert (caught.value.step, caught.value.name) == (7, "b.actuator_0_joint_01")
     bent = history_of([HINGE_NEUTRAL, 4.0], [0.0, 0.0])  # fast enough, but more than was put in
-    assert monitor.count_valid_rows([calm, history_of([HINGE_NEUTRAL] * 5, [0.1] * 5)]) == 5
-    assert monitor.count_valid_rows([bent, history_of([HINGE_NEUTRAL] * 2, [0.0] * 2)]) == 1
-    assert monitor.count_valid_rows([history_of([], []), history_of([], [])]) == 0
+    assert monitor.count_valid_rows(5, [calm, history_of([HINGE_NEUTRAL] * 5, [0.1] * 5)]) == 5
+    assert monitor.count_valid_rows(2, [bent, history_of([HINGE_NEUTRAL] * 2, [0.0] * 2)]) == 1
+    assert monitor.count_valid_rows(0, [history_of([], []), history_of([], [])]) == 0
 
 
 def test_scenes_are_found() -> None:
