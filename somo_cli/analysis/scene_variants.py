@@ -6,6 +6,7 @@ import dataclasses
 
 from somo_cli.manipulator import geometry, resegmentation
 from somo_cli.manipulator.chain import Chain
+from somo_cli.manipulator.compile import Compiled
 from somo_cli.scene.columns import body_column_groups
 from somo_cli.scene.model import ExternalLoad, Integrator, Manipulator, Quantity, Scene
 from somo_cli.simulation.plan.build import make_plan
@@ -51,7 +52,7 @@ def _manipulator_with_segments(one: Manipulator, count: int) -> Manipulator:
         return dataclasses.replace(
             one,
             compiled=anew,
-            initial_angles=resegmentation.per_joint(one.initial_angles, compiled, anew),
+            initial_angles=_angles_with_segments(one.initial_angles, compiled, anew),
             initial_rates=resegmentation.per_joint(one.initial_rates, compiled, anew),
             loads=tuple(_moved_load(load, compiled.chain, anew.chain) for load in one.loads),
         )
@@ -59,6 +60,15 @@ def _manipulator_with_segments(one: Manipulator, count: int) -> Manipulator:
         raise resegmentation.NotUniform(
             f"'{one.name}' cannot be divided into {count} segments: {error}"
         ) from error
+
+
+def _angles_with_segments(
+    angles: tuple[float, ...], before: Compiled, after: Compiled
+) -> tuple[float, ...]:
+    """Return the angles at the start for other joints; relaxed springs stay exactly relaxed."""
+    if angles == before.chain.neutral_angles:
+        return after.chain.neutral_angles
+    return resegmentation.per_joint(angles, before, after)
 
 
 def _moved_load(load: ExternalLoad, before: Chain, after: Chain) -> ExternalLoad:

@@ -121,6 +121,11 @@ class Chain:
         """The limbs; of a manipulator that is no assembly, its one backbone."""
         return self.limbs or (Limb("", 0, len(self.joints), 0, self.tip),)
 
+    @property
+    def neutral_angles(self) -> tuple[float, ...]:
+        """The angle of every joint at which its spring is relaxed [rad]."""
+        return tuple(joint.neutral_position for joint in self.joints)
+
     def backbone_of(self, joint: Joint) -> Limb:
         """Return the limb that has the actuator of a joint."""
         return [limb for limb in self.backbones if limb.first_actuator <= joint.actuator][-1]

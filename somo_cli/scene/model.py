@@ -58,6 +58,8 @@ ClosedForm = Literal[
 DEFAULT_TIME_STEP = 1e-3  # s
 AUTOMATIC_TIME_STEP = "auto"
 """In place of a time step: the one that `somo check --numerics` recommends."""
+NEUTRAL = "neutral"
+"""In place of initial angles: those at which all springs are relaxed."""
 DEFAULT_GRAVITY = (0.0, 0.0, -9.81)  # m/s²
 DEFAULT_QUANTITIES: tuple[Quantity, ...] = ("joint_angles", "tip_position")
 ALL_QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
@@ -234,7 +236,7 @@ def _manipulator(
         position=geometry.vector(data.get("position", (0, 0, 0))),
         rpy=geometry.vector(data.get("rpy", (0, 0, 0))),
         base=data.get("base", "static"),
-        initial_angles=values_per_joint(data.get("initial_angles", 0), count),
+        initial_angles=initial_angles_of(data.get("initial_angles", 0), compiled.chain),
         initial_rates=values_per_joint(data.get("initial_rates", 0), count),
         linear_velocity=geometry.vector(data.get("linear_velocity", (0, 0, 0))),
         angular_velocity=geometry.vector(data.get("angular_velocity", (0, 0, 0))),
@@ -255,6 +257,16 @@ def manipulator_name_of(data: Any) -> str:
     definition = data["definition"]
     key = "assembly_name" if is_assembly(definition) else "manipulator_name"
     return str(data.get("name", definition[key]))
+
+
+def initial_angles_of(value: Any, chain: Chain) -> tuple[float, ...]:
+    """Return the angle at the start of every joint of a chain [rad], from what a scene says.
+
+    That is one number for all, a list of them, or "neutral": the angles of the relaxed springs.
+    """
+    if value == NEUTRAL:
+        return chain.neutral_angles
+    return values_per_joint(value, len(chain.joints))
 
 
 def values_per_joint(value: Any, count: int) -> tuple[float, ...]:

@@ -12,7 +12,7 @@ from somo_cli.manipulator.kinematics import Pose, link_poses
 from somo_cli.manipulator.link_checks import IsSound
 from somo_cli.problems import Pointer, Problem
 from somo_cli.scene.extents import MAX_RELATIVE_DEPTH, min_height
-from somo_cli.scene.model import values_per_joint
+from somo_cli.scene.model import initial_angles_of
 
 
 def ground_problems(
@@ -28,7 +28,7 @@ def ground_problems(
         return
     if not all(is_sound((*at, key)) for key in keys):
         return
-    angles = values_per_joint(data.get("initial_angles", 0), len(chain.joints))
+    angles = initial_angles_of(data.get("initial_angles", 0), chain)
     if len(angles) != len(chain.joints):
         return  # told where the start is judged
     position, rpy = (geometry.vector(data.get(key, (0, 0, 0))) for key in ("position", "rpy"))

@@ -16,7 +16,7 @@ from somo_cli.scene.checks import actuation_targets as actuation_target_checks
 from somo_cli.scene.checks import ground as ground_checks
 from somo_cli.scene.checks import loads as loads_checks
 from somo_cli.scene.checks import motion as motion_checks
-from somo_cli.scene.model import values_per_joint
+from somo_cli.scene.model import NEUTRAL, initial_angles_of
 
 
 def manipulator_problems(
@@ -132,20 +132,26 @@ def _joint_limit_problems(
     document: Document, at: Pointer, initial_angles: Any, chain: Chain
 ) -> Iterator[Problem]:
     place = document.span((*at, "initial_angles"))
+    hint = "start within the limits, or widen them in the definition"
+    is_list, is_neutral = isinstance(initial_angles, list), initial_angles == NEUTRAL
     if initial_angles is None:
-        place = document.span((*at, "definition"), key=True)
-    angles = values_per_joint(initial_angles or 0, len(chain.joints))
+        place, hint = document.span((*at, "definition"), key=True), "set initial_angles"
+    elif is_neutral:
+        hint = "change joint_neutral_position or the limits in the definition, or start elsewhere"
+    reported: set[object] = set()
+    angles = initial_angles_of(initial_angles or 0, chain)
     for index, (joint, angle) in enumerate(zip(chain.joints, angles, strict=True)):
         if not joint.is_limited or joint.lower <= angle <= joint.upper:
             continue
-        is_list = isinstance(initial_angles, list)
+        # one number for all joints is one error, and so is the neutral position of one axis
+        cause = (joint.actuator, joint.channel) if is_neutral else None
+        if not is_list and cause in reported:
+            continue
+        reported.add(cause)
+        where = f"its neutral position, {angle:g} rad" if is_neutral else f"{angle:g} rad"
         yield Problem(
             document.span((*at, "initial_angles", index)) if is_list else place,
-            f"joint '{joint.name}' starts at {angle:g} rad, outside its limits "
+            f"joint '{joint.name}' starts at {where}, outside its limits "
             f"[{joint.lower:g}, {joint.upper:g}]",
-            "set initial_angles"
-            if initial_angles is None
-            else "start within the limits, or widen them in the definition",
+            hint,
         )
-        if not is_list:  # one number for all joints is one error
-            return
