@@ -89,6 +89,7 @@ class KinematicObject(BulletObject):
         # seen in 3.2.7: the pose of a fixed base is advanced by its velocity all the same, which
         # is that of the centre of mass
         turn = geometry.rotation_vector(geometry.multiply(goal.rotation, geometry.transposed(axes)))
+        way = _before_turning(way, turn)
         self._velocity = (_divided(way, time_step), _divided(turn, time_step))
         self.engine.resetBaseVelocity(self.index, *self._velocity)
 
@@ -103,6 +104,19 @@ class KinematicObject(BulletObject):
         """Put the object at its start; its velocity stays what it was told last."""
         super().reset(linear_velocity, principal_rate)
         self.engine.resetBaseVelocity(self.index, *self._velocity)
+
+
+def _before_turning(way: Vector, turn: Vector) -> Vector:
+    """Return the way w for which w + turn x w is the one that is wanted.
+
+    Seen in 3.2.7: the engine adds spin times velocity to the acceleration of a fixed base that
+    does both, and so leads it aside by h² of that in each step.
+    """
+    if turn == geometry.ZERO or way == geometry.ZERO:
+        return way
+    along = geometry.scaled(turn, geometry.dot(turn, way))
+    sum_of_both = geometry.add(geometry.subtract(way, geometry.cross(turn, way)), along)
+    return _divided(sum_of_both, 1 + geometry.dot(turn, turn))
 
 
 def _divided(vector: Vector, time: float) -> Vector:
