@@ -24,7 +24,7 @@ from somo_cli.problems import (
     in_reading_order,
 )
 from somo_cli.scene import model as scene_model
-from somo_cli.scene import object_files, proximity
+from somo_cli.scene import motion_files, object_files, proximity
 from somo_cli.scene.checks import scene as scene_checks
 from somo_cli.scene.checks import sorotraj as sorotraj_checks
 from somo_cli.scene.model import Scene
@@ -239,8 +239,9 @@ def _with_parts(document: Document, allow_outside: bool, packages: Packages) -> 
     open_text = partial(open_reference, packages, is_outside_allowed=allow_outside)
     document, problems = include(document, places, open_text)
     if is_scene:
-        document, more = object_files.include_object_files(document, open_text)
-        problems += more
+        document, of_objects = object_files.include_object_files(document, open_text)
+        document, of_motions = motion_files.include_motion_files(document, open_text)
+        problems += (*of_objects, *of_motions)
         document = object_files.with_pieces(document, _convex_pieces)
     if problems:
         raise InvalidFile([*problems, *check(document)], document.texts)

@@ -127,13 +127,14 @@ def _base_motion_inputs(path: PosePath, pose: ChainPose) -> Iterator[tuple[Array
     """Yield the inertial force of each component of a base motion, at the start, and its factor."""
     mass = pose.mass_matrix()
     arm = pose.centres[0] - np.array(path.about)
+    angles = path.rotation.small_angles()
     for axis in range(3):
         unit = np.eye(3)[axis]
         straight = np.concatenate([np.zeros(3), unit])
         turning = np.concatenate([unit, np.cross(unit, arm)])
         for acceleration, signal in (
             (straight, path.translation[axis]),
-            (turning, path.rotation[axis]),
+            (turning, angles[axis]),
         ):
             yield -mass[:, :6] @ acceleration, Acceleration(signal)
 

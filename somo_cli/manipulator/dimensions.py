@@ -95,22 +95,30 @@ def _scaler(hint: Any) -> _Scaler:
     if dataclasses.is_dataclass(hint):
         return _dataclass_scaler(typing.cast(type, hint))
     if hint in (int, str, bool, type(None)) or origin is typing.Literal:
-        return lambda value, scale: value
+        return _unchanged
     raise TypeError(f"{hint!r} carries no dimension")
+
+
+def _unchanged(value: Any, scale: Scale) -> Any:
+    return value
 
 
 def _quantity_scaler(hint: Any) -> _Scaler:
     dimension = next(item for item in hint.__metadata__ if isinstance(item, Dimension))
     if dimension.length == 0 and dimension.mass == 0:
-        return lambda value, scale: value
+        return _unchanged
     return lambda value, scale: value * scale.factor(dimension)
 
 
 def _tuple_scaler(items: tuple[Any, ...]) -> _Scaler:
     if len(items) == 2 and items[1] is Ellipsis:
         each = _scaler(items[0])
-        return lambda value, scale: tuple(each(item, scale) for item in value)
+        if each is _unchanged:
+            return _unchanged
+        return lambda value, scale: tuple([each(item, scale) for item in value])
     scalers = tuple(_scaler(item) for item in items)
+    if all(one is _unchanged for one in scalers):
+        return _unchanged
     return lambda value, scale: tuple(
         one(item, scale) for one, item in zip(scalers, value, strict=True)
     )

@@ -6,13 +6,14 @@ import dataclasses
 import math
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.picture.drawn_parts import Configuration, start_configuration
 from somo_cli.scene.model import Manipulator, Quantity, Scene
 from somo_cli.scene.prescribed_motion import PosePath
+from somo_cli.scene.rigid_object import RigidObject
 
 _POSE = ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")
 
@@ -31,6 +32,8 @@ class RecordedMotion:
 
     scene: Scene
     columns: Mapping[str, Sequence[float]]
+    _paths: dict[str, PosePath] = field(default_factory=dict, init=False, repr=False, compare=False)
+    """The paths of what is not recorded, by name: each is made once, as it may have many rows."""
 
     @property
     def times(self) -> Sequence[float]:
@@ -63,19 +66,22 @@ class RecordedMotion:
         )
         bases = tuple(
             self._pose(f"{one.name}.base_pose", row, share)
-            or _pose_on_path(
-                None if one.motion is None else one.motion.path_from(first), first, time
-            )
+            or self._prescribed_pose(one, first, time)
             for one, first in zip(self.scene.manipulators, start.bases, strict=True)
         )
         objects = tuple(
-            self._pose(f"{one.name}.pose", row, share)
-            or _pose_on_path(
-                None if one.motion is None else one.motion.path_from(first), first, time
-            )
+            self._pose(f"{one.name}.pose", row, share) or self._prescribed_pose(one, first, time)
             for one, first in zip(self.scene.objects, start.objects, strict=True)
         )
         return Configuration(angles, bases, objects)
+
+    def _prescribed_pose(self, one: Manipulator | RigidObject, start: Pose, time: float) -> Pose:
+        """Return the pose at a time [s] of what starts there, and moves only by its motion."""
+        if one.motion is None:
+            return start
+        if one.name not in self._paths:
+            self._paths[one.name] = one.motion.path_from(start)
+        return self._paths[one.name].at(time)
 
     def _row_at(self, time: float) -> tuple[int, float]:
         """Return the last row not after a time, and the share of the interval that has passed."""
@@ -114,10 +120,6 @@ def _angle_names(one: Manipulator) -> list[str]:
 
 def _pose_names(owner: str) -> list[str]:
     return [f"{owner}.{part}" for part in _POSE]
-
-
-def _pose_on_path(path: PosePath | None, start: Pose, time: float) -> Pose:
-    return start if path is None else path.at(time)
 
 
 def _slerp(first: Sequence[float], second: Sequence[float], share: float) -> list[float]:

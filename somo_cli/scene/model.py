@@ -21,7 +21,7 @@ from somo_cli.scene import actuation, contact_surface
 from somo_cli.scene import stop_conditions as stop_conditions_module
 from somo_cli.scene.actuation import Actuation
 from somo_cli.scene.contact_surface import Ground, ManipulatorSurfaces
-from somo_cli.scene.prescribed_motion import PrescribedMotion, read_motion
+from somo_cli.scene.prescribed_motion import PrescribedMotion, read_motion, start_pose_of
 from somo_cli.scene.rigid_object import ObjectQuantity, RigidObject, read_object
 from somo_cli.scene.signals import Interpolation
 from somo_cli.scene.sorotraj import Trajectory, read_trajectory
@@ -215,7 +215,7 @@ def read_scene(document: Document, definitions: DefinitionCompiler | None = None
         ),
         reference=data.get("reference"),
         ground=contact_surface.read_ground(data["ground"]) if "ground" in data else None,
-        objects=tuple(read_object(item) for item in data.get("objects", ())),
+        objects=tuple(read_object(item, trajectories) for item in data.get("objects", ())),
         object_quantities=tuple(
             dict.fromkeys(record.get("objects", ALL_OBJECT_QUANTITIES if only else ("pose",)))
         ),
@@ -230,11 +230,13 @@ def _manipulator(
     data: Any, compiled: Compiled, trajectories: Mapping[str, Trajectory]
 ) -> Manipulator:
     count = len(compiled.chain.joints)
+    motion = read_motion(data["motion"], trajectories) if "motion" in data else None
+    position, rpy = start_pose_of(data, motion)
     return Manipulator(
         name=manipulator_name_of(data),
         compiled=compiled,
-        position=geometry.vector(data.get("position", (0, 0, 0))),
-        rpy=geometry.vector(data.get("rpy", (0, 0, 0))),
+        position=position,
+        rpy=rpy,
         base=data.get("base", "static"),
         initial_angles=initial_angles_of(data.get("initial_angles", 0), compiled.chain),
         initial_rates=values_per_joint(data.get("initial_rates", 0), count),
@@ -248,7 +250,7 @@ def _manipulator(
         loads=tuple(_load(item, compiled.chain) for item in data.get("loads", ())),
         surfaces=contact_surface.read_surfaces(data.get("surface", {})),
         has_self_collision=bool(data.get("self_collision", False)),
-        motion=read_motion(data["motion"]) if "motion" in data else None,
+        motion=motion,
     )
 
 

@@ -17,7 +17,8 @@ from somo_cli.manipulator.dimensions import (
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.scene import object_shapes
 from somo_cli.scene.contact_surface import ContactSurface, read_surface
-from somo_cli.scene.prescribed_motion import PrescribedMotion, read_motion
+from somo_cli.scene.prescribed_motion import PrescribedMotion, read_motion, start_pose_of
+from somo_cli.scene.sorotraj import Trajectory
 
 ObjectQuantity = Literal["pose", "velocity", "angles", "contact_force", "contact_pairs"]
 
@@ -67,21 +68,25 @@ def read_placement(data: Mapping[str, Any]) -> Placement:
     return Placement(str(data["on"]), float(data.get("gap", 0)))
 
 
-def read_object(data: Mapping[str, Any]) -> RigidObject:
-    """Return the object that a sound mapping describes."""
+def read_object(
+    data: Mapping[str, Any], trajectories: Mapping[str, Trajectory] | None = None
+) -> RigidObject:
+    """Return the object that a sound mapping describes, in a scene with these trajectories."""
     name = str(data["name"])
+    motion = read_motion(data["motion"], trajectories) if "motion" in data else None
+    position, rpy = start_pose_of(data, motion)
     link = object_shapes.object_link(data)
     height = max(shape.solid.height for shape in link.shapes)
     return RigidObject(
         name=name,
         chain=Chain(name, (link,), (), geometry.ZERO, height),
         is_fixed=bool(data.get("fixed", False)),
-        position=geometry.vector(data.get("position", (0, 0, 0))),
-        rpy=geometry.vector(data.get("rpy", (0, 0, 0))),
+        position=position,
+        rpy=rpy,
         linear_velocity=geometry.vector(data.get("linear_velocity", (0, 0, 0))),
         angular_velocity=geometry.vector(data.get("angular_velocity", (0, 0, 0))),
         surface=read_surface(data),
-        motion=read_motion(data["motion"]) if "motion" in data else None,
+        motion=motion,
         collides=bool(data.get("collides", True)),
         placement=read_placement(data["place"]) if "place" in data else None,
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
 from somo_cli.scene import cubic_spline
@@ -42,6 +42,12 @@ class PiecewiseSignal:
     times: tuple[float, ...]
     pieces: tuple[tuple[float, float, float, float], ...]
     period: float | None = None
+    is_constant: bool = field(init=False, repr=False, compare=False)
+    """Whether the value is the same at all times; found once, since that looks at every piece."""
+
+    def __post_init__(self) -> None:
+        same = (self.pieces[0][0], *NO_CHANGE)
+        object.__setattr__(self, "is_constant", self.pieces.count(same) == len(self.pieces))
 
     def at(self, time: float) -> float:
         """Return the value at a time [s]."""
@@ -67,7 +73,7 @@ class PiecewiseSignal:
         index = bisect_right(self.times, time) - 1
         if self.period is None and index >= 0 and self.pieces[index][1:] != NO_CHANGE:
             return time
-        if self.pieces.count((self.pieces[0][0], *NO_CHANGE)) == len(self.pieces):
+        if self.is_constant:
             return math.inf
         if self.period is not None:
             return time
@@ -134,7 +140,9 @@ def piecewise_signal(
     times = tuple(time for time, _ in waypoints)
     values = [value for _, value in waypoints]
     period = times[-1] if repeat else None
-    if interpolation == "cubic" and len(waypoints) > 1:
+    if values.count(values[0]) == len(values):  # quicker for many, and the same to the last bit
+        pieces = [(values[0], 0.0, 0.0, 0.0)] * (len(values) - 1)
+    elif interpolation == "cubic" and len(waypoints) > 1:
         pieces = _cubic_pieces(times, values, repeat)
     elif interpolation == "linear":
         pieces = [

@@ -151,7 +151,7 @@ def mujoco_trajectory_on_prescribed_base(
     the others start at rest. M q'' = forces - M_base a, by Runge and Kutta's method.
     """
     path: PosePath = motion.path_from(Pose())
-    signals = (*path.translation, *reversed(path.rotation))
+    signals = (*path.translation, *reversed(path.rotation.components))
     state = mujoco.MjData(model)
     n = model.nv - 6
     mass = np.zeros((model.nv, model.nv))

@@ -39,7 +39,7 @@ def manipulator_problems(
     if has_definition:
         in_definition.extend(assembly_checks.assembly_problems(document, definition_at, is_sound))
     yield from in_definition
-    yield from _base_problems(document, at, data, is_sound)
+    yield from _base_problems(document, at, data, is_sound, channel_counts)
     yield from _entry_problems(document, at, data, is_sound)
     if has_definition and is_sound(definition_at) and not has_errors(in_definition):
         compiled = definitions.at(definition_at)
@@ -47,7 +47,11 @@ def manipulator_problems(
 
 
 def _base_problems(
-    document: Document, at: Pointer, data: Mapping[str, Any], is_sound: IsSound
+    document: Document,
+    at: Pointer,
+    data: Mapping[str, Any],
+    is_sound: IsSound,
+    channel_counts: Mapping[str, int | None],
 ) -> Iterator[Problem]:
     base = data.get("base", "static")
     for key in ("linear_velocity", "angular_velocity"):
@@ -59,7 +63,7 @@ def _base_problems(
             )
     place: Pointer = (*at, "motion")
     if is_sound(place) and isinstance(data.get("motion"), Mapping):
-        yield from motion_checks.base_motion_problems(document, place, data["motion"], str(base))
+        yield from motion_checks.base_motion_problems(document, at, data, channel_counts)
 
 
 def _entries(data: Mapping[str, Any], key: str) -> list[Any]:

@@ -3,49 +3,101 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from somo_cli.document.parse import Document
-from somo_cli.problems import Pointer, Problem
-from somo_cli.scene.prescribed_motion import vector_signal
+from somo_cli.problems import Pointer, Problem, Span
+from somo_cli.scene.checks.motion_file import motion_file_problems
+from somo_cli.scene.checks.motion_start import (
+    COMPONENTS_AND_UNITS,
+    about_problems,
+    pose_problems,
+)
+from somo_cli.scene.checks.motion_trajectory import motion_trajectory_problems
 
-_COMPONENTS_AND_UNITS = {"translation": ("x, y, z", "m"), "rotation": ("roll, pitch, yaw", "rad")}
-DISPLACEMENT_TOLERANCE = 1e-12  # m and rad: displacement at time zero that is rounding
+_FILE_KEYS = ("file", "trajectory")
+_START_KEYS = ("position", "rpy", "place")
 
 
 def base_motion_problems(
-    document: Document, at: Pointer, motion: Mapping[str, Any], base: str
+    document: Document,
+    at: Pointer,
+    data: Mapping[str, Any],
+    channel_counts: Mapping[str, int | None],
 ) -> Iterator[Problem]:
-    """Yield every fault of the motion at `at` of a manipulator with such a base."""
+    """Yield every fault of the motion of the manipulator `data` at `at`."""
+    base = str(data.get("base", "static"))
     if base != "constrained":
         yield Problem(
-            document.span(at, key=True),
+            document.span((*at, "motion"), key=True),
             f"motion is for a base that a constraint holds, this one is {base}",
             "set base: constrained, or leave it out",
         )
-    yield from motion_problems(document, at, motion)
+    yield from motion_problems(document, at, data, channel_counts)
 
 
 def motion_problems(
+    document: Document,
+    at: Pointer,
+    data: Mapping[str, Any],
+    channel_counts: Mapping[str, int | None],
+) -> Iterator[Problem]:
+    """Yield every fault of the motion of the manipulator or object `data` at `at`.
+
+    `channel_counts` has the number of channels of each trajectory, None if it is unknown.
+    """
+    motion, place = data["motion"], (*at, "motion")
+    kinds = [key for key in (*_FILE_KEYS, *COMPONENTS_AND_UNITS) if key in motion]
+    if any(key in motion for key in _FILE_KEYS) and len(kinds) > 1:
+        message = f"{kinds[1]} has no meaning beside {kinds[0]}, which is the whole motion"
+        yield Problem(document.span((*place, kinds[1]), key=True), message, "leave one out")
+        return
+    if motion.get("frame") == "world":
+        yield from _start_key_problems(document, at, data)
+    if "file" in motion:
+        yield from motion_file_problems(document, place, motion)
+    elif "trajectory" in motion:
+        yield from motion_trajectory_problems(document, place, motion, channel_counts)
+    else:
+        yield from _waypoint_problems(document, place, motion)
+
+
+def _start_key_problems(
+    document: Document, at: Pointer, data: Mapping[str, Any]
+) -> Iterator[Problem]:
+    for key in _START_KEYS:
+        if key in data:
+            yield Problem(
+                document.span((*at, key), key=True),
+                f"{key} has no meaning beside a motion with frame: world, which says where it "
+                "starts",
+                "leave it out, or set frame: start",
+            )
+
+
+def _waypoint_problems(
     document: Document, at: Pointer, motion: Mapping[str, Any]
 ) -> Iterator[Problem]:
-    """Yield every fault of the motion at `at`, whatever it moves."""
-    if not any(part in motion for part in _COMPONENTS_AND_UNITS):
+    if not any(part in motion for part in COMPONENTS_AND_UNITS):
         yield Problem(
             document.span(at, key=True),
             "missing translation or rotation",
-            "give a translation [s, m, m, m], a rotation [s, rad, rad, rad], or both",
+            "give a translation [s, m, m, m], a rotation [s, rad, rad, rad], or both, or a file",
         )
-    if "about" in motion and "rotation" not in motion:
-        yield Problem(
-            document.span((*at, "about"), key=True),
-            "about has no meaning without a rotation",
-            "leave it out",
-        )
-    for part in _COMPONENTS_AND_UNITS:
+    if "frame" in motion:
+        message = "frame is for a motion from a file or a trajectory: waypoints are from the start"
+        yield Problem(document.span((*at, "frame"), key=True), message, "leave it out")
+    yield from about_problems(document, at, motion, "rotation" in motion)
+    for part in COMPONENTS_AND_UNITS:
         if part in motion:
             problems = list(_time_order_problems(document, at, part, motion[part]))
-            yield from problems or _pose_problems(document, at, part, motion)
+            place = partial(_place_of, document, (*at, part))
+            yield from problems or pose_problems(motion, part, motion[part], place)
+
+
+def _place_of(document: Document, at: Pointer, index: int) -> Span:
+    return document.span((*at, index))
 
 
 def _time_order_problems(
@@ -56,48 +108,6 @@ def _time_order_problems(
             yield Problem(
                 document.span((*at, part, number)),
                 f"time {points[number][0]} s does not come after {points[number - 1][0]} s",
-                f"waypoints are [time, {_COMPONENTS_AND_UNITS[part][0]}], and each has a later "
+                f"waypoints are [time, {COMPONENTS_AND_UNITS[part][0]}], and each has a later "
                 "time than the one before",
             )
-
-
-def _pose_problems(
-    document: Document, at: Pointer, part: str, motion: Mapping[str, Any]
-) -> Iterator[Problem]:
-    """Yield faults of where the motion is at time zero and, if it repeats, at its end."""
-    points = motion[part]
-    first, last = (*at, part, 0), (*at, part, len(points) - 1)
-    if motion.get("repeat"):
-        found = False
-        if points[0][0] != 0:
-            message = f"a repeated motion starts at time 0, not {points[0][0]} s"
-            yield Problem(document.span(first), message, f"start with {_zero_waypoint(0)}")
-            found = True
-        if points[-1][0] <= 0:
-            message = f"a repeated motion has a period of {points[-1][0]} s"
-            hint = "the time of the last waypoint is the period"
-            yield Problem(document.span(last), message, hint)
-            found = True
-        elif points[-1][1:] != points[0][1:]:
-            message = f"a repeated motion ends where it starts, at {points[0][1:]}"
-            hint = f"end with {[points[-1][0], *points[0][1:]]}"
-            yield Problem(document.span(last), f"{message}, not {points[-1][1:]}", hint)
-            found = True
-        if found:
-            return
-    signals = vector_signal(
-        points, motion.get("interpolation", "cubic"), bool(motion.get("repeat"))
-    )
-    start = [one.at(0.0) for one in signals]
-    if max(map(abs, start)) > DISPLACEMENT_TOLERANCE:
-        shown = ", ".join(f"{value:.3g}" for value in start)
-        yield Problem(
-            document.span(first),
-            f"at time 0 the {part} is [{shown}] {_COMPONENTS_AND_UNITS[part][1]}, and the motion "
-            "starts where position and rpy say",
-            f"begin with {_zero_waypoint(0)}, and change the start pose instead",
-        )
-
-
-def _zero_waypoint(time: float) -> list[float]:
-    return [time, 0, 0, 0]

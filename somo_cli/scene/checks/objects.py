@@ -19,8 +19,13 @@ _KEYS_SETTING_HEIGHT = {"motion", "place"}
 _VELOCITY_KEYS = ("linear_velocity", "angular_velocity")
 
 
-def object_problems(document: Document, is_sound: IsSound) -> Iterator[Problem]:
-    """Yield the faults of all objects of a scene, skipping unsound ones."""
+def object_problems(
+    document: Document, is_sound: IsSound, channel_counts: Mapping[str, int | None]
+) -> Iterator[Problem]:
+    """Yield the faults of all objects of a scene, skipping unsound ones.
+
+    `channel_counts` has the number of channels of each trajectory, None if it is unknown.
+    """
     scene = document.data
     objects = scene.get("objects") if isinstance(scene, Mapping) else None
     if isinstance(objects, list):
@@ -30,7 +35,7 @@ def object_problems(document: Document, is_sound: IsSound) -> Iterator[Problem]:
         at: Pointer = ("objects", index)
         if not isinstance(item, Mapping) or not is_sound(at):
             continue
-        own_problems = list(_object_problems(document, at, item))
+        own_problems = list(_object_problems(document, at, item, channel_counts))
         yield from own_problems
         if item["name"] in names:
             message = f"there is another '{item['name']}' in the scene"
@@ -52,11 +57,16 @@ def _names_of_manipulators(scene: object) -> set[str]:
     return names
 
 
-def _object_problems(document: Document, at: Pointer, data: Mapping[str, Any]) -> Iterator[Problem]:
+def _object_problems(
+    document: Document,
+    at: Pointer,
+    data: Mapping[str, Any],
+    channel_counts: Mapping[str, int | None],
+) -> Iterator[Problem]:
     yield from object_shapes_checks.object_shape_problems(document, at, data)
     is_fixed, has_motion = data.get("fixed", False), "motion" in data
     if has_motion:
-        yield from motion_checks.motion_problems(document, (*at, "motion"), data["motion"])
+        yield from motion_checks.motion_problems(document, at, data, channel_counts)
     if has_motion and is_fixed:
         message = "motion is for an object that can move, this one is fixed"
         hint = "leave it out, or set fixed: false"

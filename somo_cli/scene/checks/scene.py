@@ -14,7 +14,7 @@ from somo_cli.manipulator.compile import DefinitionCompiler
 from somo_cli.manipulator.dimensions import Scale
 from somo_cli.manipulator.link_checks import IsSound
 from somo_cli.problems import Pointer, Problem, has_errors, in_reading_order
-from somo_cli.scene import object_files
+from somo_cli.scene import motion_files, object_files
 from somo_cli.scene.checks import objects as objects_checks
 from somo_cli.scene.checks import recording as recording_checks
 from somo_cli.scene.checks import soft_ground as soft_ground_checks
@@ -51,7 +51,9 @@ def check_scene(document: Document) -> CheckedScene:
     """Check a scene and the definitions in it; compile each definition once, if it has no error."""
     definitions = DefinitionCompiler(document)
     shape = schema_problems(document, "scene")
-    missing = unresolved_references(document, (*FILE_POINTERS, *object_files.FILE_POINTERS))
+    missing = unresolved_references(
+        document, (*FILE_POINTERS, *object_files.FILE_POINTERS, *motion_files.FILE_POINTERS)
+    )
     is_sound = soundness_test(shape, missing)
     misplaced_files = _misplaced_files(document)
     problems = [
@@ -60,8 +62,8 @@ def check_scene(document: Document) -> CheckedScene:
     problems.extend(misplaced_files.values())
     data = document.data
     problems.extend(sorotraj_checks.scene_trajectory_problems(document, is_sound))
-    problems.extend(objects_checks.object_problems(document, is_sound))
     channel_counts = sorotraj_checks.channel_counts_by_trajectory(document, is_sound)
+    problems.extend(objects_checks.object_problems(document, is_sound, channel_counts))
     manipulators = data.get("manipulators") if isinstance(data, Mapping) else None
     if isinstance(manipulators, list):
         for index, item in enumerate(manipulators):

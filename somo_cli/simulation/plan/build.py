@@ -11,7 +11,6 @@ from somo_cli.manipulator.dimensions import (
     Scale,
     scaled,
 )
-from somo_cli.manipulator.kinematics import Pose
 from somo_cli.scene import compound, reach, signals
 from somo_cli.scene.actuation import Actuation
 from somo_cli.scene.model import (
@@ -22,7 +21,6 @@ from somo_cli.scene.model import (
     Scene,
 )
 from somo_cli.scene.placement import with_heights
-from somo_cli.scene.prescribed_motion import PosePath, PrescribedMotion
 from somo_cli.scene.rigid_object import RigidObject
 from somo_cli.simulation.plan.model import (
     ActuatorTorque,
@@ -114,7 +112,7 @@ def _body(manipulator: Manipulator, scale: Scale, options: LoadOptions) -> Body:
         manipulator.initial_angles,
         manipulator.initial_rates,
     )
-    start = scaled(start, scale)
+    start, motion = scaled(start, scale), manipulator.motion
     return Body(
         name=manipulator.name,
         base=manipulator.base,
@@ -130,19 +128,16 @@ def _body(manipulator: Manipulator, scale: Scale, options: LoadOptions) -> Body:
         loads=tuple(_planned_load(scaled(entry, scale)) for entry in manipulator.loads),
         surfaces=scaled(manipulator.surfaces, scale),
         has_self_collision=manipulator.has_self_collision,
-        path=_pose_path(manipulator.motion, start.pose, scale),
+        path=None if motion is None else scaled(motion, scale).path_from(start.pose),
         has_engine_limits=options.has_limits,
         has_zero_torque_motors=options.has_zero_torque_motors,
     )
 
 
-def _pose_path(motion: PrescribedMotion | None, start: Pose, scale: Scale) -> PosePath | None:
-    return None if motion is None else scaled(motion, scale).path_from(start)
-
-
 def _planned_object(one: RigidObject, scale: Scale, keeps_unused: bool) -> PlannedObject:
     rigid_object = scaled(one, scale)
-    path = _pose_path(one.motion, rigid_object.pose, scale)
+    motion = rigid_object.motion
+    path = None if motion is None else motion.path_from(rigid_object.pose)
     (link,) = rigid_object.chain.links
     if not compound.is_exact_in_urdf(link):
         return PlannedObject(rigid_object, "", compound.compound_of(link), path)
