@@ -76,7 +76,7 @@ def test_errors_are_reported_instead_of_a_plan(somo: Somo, here: Path) -> None:
     ended = somo("check", "bad.yaml", "--plan", cwd=here)
     assert ended.returncode == 1
     assert ended.stdout == ""
-    assert "bad.yaml:1:15: error:" in ended.stderr
+    assert "bad.yaml:1:1: error:" in ended.stderr
 
 
 @pytest.mark.parametrize("more", [("scene.yaml",), ("--numerics",)])
