@@ -51,6 +51,17 @@ RING_DOWN = "time_s,tip.y_m\n" + "".join(
     for t in (0.01 * n for n in range(300))
 )
 FORCES = "pressure_pa,force_n\n2e4,0.14\n4e4,0.31\n6e4,0.44\n8e4,0.61\n1e5,0.75\n"
+MOVED = """
+objects:
+  - {name: one, shape_type: sphere, dimensions: [0.1], motion: {file: poses.csv}}
+  - {name: b, shape_type: sphere, dimensions: [0.1], position: [1, 0, 0], motion: {trajectory: way}}
+trajectories:
+  - name: way
+    sorotraj:
+      settings: {traj_type: direct}
+      config: {setpoints: {main: [[0, 0, 0, 0], [1, 0, 0, 1]]}}
+"""
+POSES = "time_s,qx,qy,qz,qw\n0,0,0,0,1\n1,0,0,0.6,0.8\n"
 FIVE = ("--steps", "5")
 SELF_COLLISION = "manipulators[0].self_collision=true"
 OBJECTS = Path(__file__).parent / "objects" / "inputs"
@@ -66,6 +77,7 @@ COMMANDS = (
     ("run", "shipped/definitions/tumble_scene.yaml", *FIVE, "-o", "tumble.csv"),
     ("run", "shipped/definitions/scene.yaml", *FIVE, "--set", SELF_COLLISION, "-o", "self.csv"),
     ("run", str(OBJECTS / "little.yaml"), *FIVE, "-o", "urdf.csv"),
+    ("run", "moved.yaml", *FIVE),
     ("render", "rows.csv", "--size", "64x48", "-o", "picture.png"),
     (
         "report", "shipped/definitions/cantilever_scene.yaml", "--set", "reference=elastica",
@@ -129,7 +141,9 @@ def test_fast_tests_reach_every_module(tmp_path: Path, environment: dict[str, st
     for needed in ("pybullet", "matplotlib"):
         pytest.importorskip(needed)
     (tmp_path / "ring.csv").write_text(RING_DOWN)
-    (tmp_path / "wrong.yaml").write_text("manipulators: []\n")
+    (tmp_path / "wrong.yaml").write_text("time_step: -1\nmanipulators: []\n")
+    (tmp_path / "moved.yaml").write_text(MOVED)
+    (tmp_path / "poses.csv").write_text(POSES)
     (tmp_path / "forces.csv").write_text(FORCES)
     ended = subprocess.run(
         [sys.executable, "-c", COMMANDS_IN_ONE_PROCESS, json.dumps(COMMANDS), "reached.json"],

@@ -16,7 +16,7 @@ from somo_cli.problems import InvalidFile, SimulationDiverged
 from somo_cli.scene.checks.recording import select_by_patterns
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan_report import explain
-from tests.conftest import Somo
+from tests.builders.command import Somo
 
 pytest.importorskip("pybullet")
 
@@ -37,7 +37,7 @@ def result_of(text: str, steps: int, **options: float) -> Result:
     return somo_cli.simulate(loading.load_text(text, "a.yaml"), steps, **options)
 
 
-def messages_of(text: str) -> list[tuple[int, int, str, str]]:
+def placed_messages(text: str) -> list[tuple[int, int, str, str]]:
     return [
         (one.span.line, one.span.column, one.severity, one.message)
         for one in loading.check(loading.load_text(text, "a.yaml"))
@@ -190,7 +190,7 @@ def test_one_that_spins_too_fast_diverges() -> None:
 def test_what_cannot_be_is_said_at_its_place(
     text: str, expected: tuple[int, int, str, str]
 ) -> None:
-    assert messages_of(text) == [expected]
+    assert placed_messages(text) == [expected]
 
 
 def test_an_automatic_step_is_refused_wherever_it_is_asked_for() -> None:

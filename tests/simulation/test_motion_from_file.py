@@ -16,8 +16,9 @@ import somo_cli
 from somo_cli import loading
 from somo_cli.api.result import Result
 from somo_cli.manipulator import geometry
-from tests.conftest import Somo
-from tests.manipulator.bodies import X, Y, actuator, manipulator
+from tests.builders.command import Somo
+from tests.builders.definitions import X, Y, actuator, manipulator
+from tests.builders.scene_problems import messages_of
 
 pytest.importorskip("pybullet")
 
@@ -39,22 +40,22 @@ def in_place(text: str) -> dict[str, str]:
     return {"source": "poses.csv", "text": text}
 
 
-def scene_of(motion: dict[str, Any], kind: str = "base", **more: Any) -> dict[str, Any]:
+def moved_scene(motion: dict[str, Any], kind: str = "base", **more: Any) -> dict[str, Any]:
     if kind == "object":
         return {"objects": [{**CUBE, "motion": motion, **more}]}
     one = {"definition": BODY, "base": "constrained", "motion": motion, **more}
     return {"manipulators": [one], "record": {"columns": ["joint_angles", "base_pose"]}}
 
 
-def document_of(scene: dict[str, Any]) -> Any:
+def moved_document(scene: dict[str, Any]) -> Any:
     return loading.load_text(json.dumps(scene), "a.json")
 
 
 def result_of(scene: dict[str, Any], steps: int = 250) -> Result:
-    return somo_cli.simulate(document_of(scene), steps, time_step=1e-3)
+    return somo_cli.simulate(moved_document(scene), steps, time_step=1e-3)
 
 
-def rows_of(result: Result) -> list[list[float]]:
+def all_columns(result: Result) -> list[list[float]]:
     return [result[name].tolist() for name in result.names]
 
 
@@ -71,9 +72,9 @@ def test_the_file_is_the_same_as_its_waypoints_to_the_last_bit(
 ) -> None:
     where = {"position": [0.3, 0.2, 0.5], "rpy": [0.1, -0.2, 0.3]}
     options: dict[str, Any] = {"interpolation": interpolation, "about": [0, 0, 0.1]}
-    by_waypoints = result_of(scene_of({**WAYPOINTS, **options}, kind, **where))
-    by_file = result_of(scene_of({"file": in_place(csv_of(KNOTS)), **options}, kind, **where))
-    assert rows_of(by_file) == rows_of(by_waypoints)
+    by_waypoints = result_of(moved_scene({**WAYPOINTS, **options}, kind, **where))
+    by_file = result_of(moved_scene({"file": in_place(csv_of(KNOTS)), **options}, kind, **where))
+    assert all_columns(by_file) == all_columns(by_waypoints)
     # and it moves
     name = "body.base_pose.z_m" if kind == "base" else "cube.pose.z_m"
     assert np.ptp(by_file[name]) > 0.04
@@ -82,9 +83,9 @@ def test_the_file_is_the_same_as_its_waypoints_to_the_last_bit(
 @pytest.mark.parametrize("kind", ["base", "object"])
 def test_poses_in_the_world_from_its_origin_are_the_same_to_the_last_bit(kind: str) -> None:
     file = in_place(csv_of(KNOTS))
-    assert rows_of(result_of(scene_of({"file": file, "frame": "world"}, kind))) == rows_of(
-        result_of(scene_of({"file": file}, kind))
-    )
+    assert all_columns(
+        result_of(moved_scene({"file": file, "frame": "world"}, kind))
+    ) == all_columns(result_of(moved_scene({"file": file}, kind)))
 
 
 @pytest.mark.parametrize("kind", ["base", "object"])
@@ -106,10 +107,10 @@ def test_poses_in_the_world_say_where_it_starts(kind: str) -> None:
         quaternion = geometry.quaternion_from_rotation(there)
         quaternions.append((t, *position, *(sign * part for part in quaternion)))
     poses = [
-        result_of(scene_of({"file": in_place(csv_of(told))}, kind, position=place, rpy=turn)),
-        result_of(scene_of({"file": in_place(csv_of(angles)), "frame": "world"}, kind)),
+        result_of(moved_scene({"file": in_place(csv_of(told))}, kind, position=place, rpy=turn)),
+        result_of(moved_scene({"file": in_place(csv_of(angles)), "frame": "world"}, kind)),
         result_of(
-            scene_of(
+            moved_scene(
                 {
                     "file": in_place(csv_of(quaternions, "time_s,x_m,y_m,z_m,qx,qy,qz,qw")),
                     "frame": "world",
@@ -127,7 +128,7 @@ def test_poses_in_the_world_say_where_it_starts(kind: str) -> None:
 
 
 def test_the_poses_of_the_rows_are_met() -> None:
-    result = result_of(scene_of({"file": in_place(csv_of(KNOTS))}, "object"))
+    result = result_of(moved_scene({"file": in_place(csv_of(KNOTS))}, "object"))
     for t, x, y, z, *turn in KNOTS:
         row = round(t / 1e-3)
         assert [result[f"cube.pose.{name}"][row] for name in ("x_m", "y_m", "z_m")] == (
@@ -140,12 +141,14 @@ def test_the_poses_of_the_rows_are_met() -> None:
 
 def test_an_object_that_turns_while_it_goes_is_where_its_path_says() -> None:
     """The engine alone leads it aside by h² times spin times velocity: here by 5.6e-6 m."""
-    document = document_of(scene_of(WAYPOINTS, "object", position=[0.1, 0.2, 0.3], rpy=[1, 2, 3]))
+    document = moved_document(
+        moved_scene(WAYPOINTS, "object", position=[0.1, 0.2, 0.3], rpy=[1, 2, 3])
+    )
     scene, _ = loading.scene_of(document)
     (cube,) = scene.objects
     assert cube.motion is not None
     path = cube.motion.path_from(cube.pose)
-    result = result_of(scene_of(WAYPOINTS, "object", position=[0.1, 0.2, 0.3], rpy=[1, 2, 3]))
+    result = result_of(moved_scene(WAYPOINTS, "object", position=[0.1, 0.2, 0.3], rpy=[1, 2, 3]))
     for row, t in enumerate(result.time.tolist()):
         found = [result[f"cube.pose.{axis}_m"][row] for axis in "xyz"]
         assert found == pytest.approx(path.at(t).position, abs=1e-13)
@@ -162,29 +165,29 @@ def sorotraj_of(rows: list[list[float]]) -> dict[str, Any]:
 def test_a_trajectory_of_the_scene_is_a_motion_by_its_knots(channels: int) -> None:
     rows = [list(row[: 1 + channels]) for row in KNOTS]
     trajectories = [{"name": "way", "sorotraj": sorotraj_of(rows), "speed_factor": 1.0}]
-    by_trajectory = {**scene_of({"trajectory": "way"}), "trajectories": trajectories}
+    by_trajectory = {**moved_scene({"trajectory": "way"}), "trajectories": trajectories}
     motion: dict[str, Any] = {**WAYPOINTS, "interpolation": "linear"}
     if channels == 3:
         del motion["rotation"]
-    assert rows_of(result_of(by_trajectory)) == rows_of(result_of(scene_of(motion)))
+    assert all_columns(result_of(by_trajectory)) == all_columns(result_of(moved_scene(motion)))
 
 
 def test_a_trajectory_may_be_repeated_and_faster() -> None:
     rows = [[0, 0, 0, 0], [0.1, 0, 0, 0.02], [0.2, 0, 0, 0]]
     one = {"name": "way", "sorotraj": sorotraj_of(rows), "speed_factor": 2, "repetitions": 2}
-    scene = {**scene_of({"trajectory": "way"}, "object"), "trajectories": [one]}
+    scene = {**moved_scene({"trajectory": "way"}, "object"), "trajectories": [one]}
     z = result_of(scene)["cube.pose.z_m"]
     assert [z[step] for step in (50, 100, 150, 200, 250)] == pytest.approx(
         [0.02, 0, 0.02, 0, 0], abs=1e-7
     )
 
 
-def problems_of(
+def placed_problems(
     scene: dict[str, Any],
 ) -> list[tuple[str, int, int, str, str]]:
     return [
         (one.span.source, one.span.line, one.span.column, one.severity, one.message)
-        for one in loading.check(document_of(scene))
+        for one in loading.check(moved_document(scene))
     ]
 
 
@@ -267,45 +270,41 @@ def problems_of(
 def test_what_is_wrong_with_a_file_is_said_at_its_place(
     text: str, expected: tuple[int, int, str, str] | None
 ) -> None:
-    found = problems_of(scene_of({"file": in_place(text)}, "object"))
+    found = placed_problems(moved_scene({"file": in_place(text)}, "object"))
     assert found == ([] if expected is None else [("poses.csv", *expected)])
-
-
-def messages_of(scene: dict[str, Any]) -> list[str]:
-    return [message for *_, message in problems_of(scene)]
 
 
 def test_what_does_not_go_together_is_an_error() -> None:
     file = in_place(csv_of(KNOTS))
     world = {"file": file, "frame": "world"}
-    assert messages_of(scene_of({"file": file, "trajectory": "a"}, "object")) == [
+    assert messages_of(moved_scene({"file": file, "trajectory": "a"}, "object")) == [
         "trajectory has no meaning beside file, which is the whole motion"
     ]
-    assert messages_of(scene_of({"file": file, "rotation": [[0, 0, 0, 0]]}, "object")) == [
+    assert messages_of(moved_scene({"file": file, "rotation": [[0, 0, 0, 0]]}, "object")) == [
         "rotation has no meaning beside file, which is the whole motion"
     ]
-    assert messages_of(scene_of({**WAYPOINTS, "frame": "start"}, "object")) == [
+    assert messages_of(moved_scene({**WAYPOINTS, "frame": "start"}, "object")) == [
         "frame is for a motion from a file or a trajectory: waypoints are from the start"
     ]
-    assert messages_of(scene_of({**world, "about": [0, 0, 0]}, "object")) == [
+    assert messages_of(moved_scene({**world, "about": [0, 0, 0]}, "object")) == [
         "about has no meaning with frame: world"
     ]
     positions = in_place(csv_of([row[:4] for row in KNOTS], HEADER[:18]))
-    assert messages_of(scene_of({"file": positions, "about": [0, 0, 0]}, "object")) == [
+    assert messages_of(moved_scene({"file": positions, "about": [0, 0, 0]}, "object")) == [
         "about has no meaning without a rotation"
     ]
-    assert messages_of(scene_of({"file": positions, "frame": "world"}, "object")) == [
+    assert messages_of(moved_scene({"file": positions, "frame": "world"}, "object")) == [
         "frame: world takes whole poses, and there are no columns roll_rad, pitch_rad, yaw_rad"
     ]
     for kind, key in (("base", "position"), ("base", "rpy"), ("object", "position")):
-        assert messages_of(scene_of(world, kind, **{key: [0, 0, 0]})) == [
+        assert messages_of(moved_scene(world, kind, **{key: [0, 0, 0]})) == [
             f"{key} has no meaning beside a motion with frame: world, which says where it starts"
         ]
-    assert messages_of(scene_of({"file": file, "repeat": True}, "object")) == [
+    assert messages_of(moved_scene({"file": file, "repeat": True}, "object")) == [
         "a repeated motion ends where it starts, at [0.0, 0.0, 0.0], not [0.0, 0.01, 0.0]",
         "a repeated motion ends where it starts, at [0.0, 0.0, 0.0], not [0.3, 0.0, -0.2]",
     ]
-    assert messages_of(scene_of({"file": file}, "base", base="static")) == [
+    assert messages_of(moved_scene({"file": file}, "base", base="static")) == [
         "motion is for a base that a constraint holds, this one is static"
     ]
 
@@ -330,21 +329,21 @@ def test_what_does_not_go_together_is_an_error() -> None:
 )
 def test_a_trajectory_must_be_a_motion(name: str, rows: list[list[float]], message: str) -> None:
     trajectories = [{"name": "way", "sorotraj": sorotraj_of(rows)}]
-    scene = {**scene_of({"trajectory": name}, "object"), "trajectories": trajectories}
+    scene = {**moved_scene({"trajectory": name}, "object"), "trajectories": trajectories}
     assert messages_of(scene) == [message]
 
 
 def test_a_start_in_the_ground_is_found_by_the_engine() -> None:
     text = csv_of([(0.0, 0.0, 0.0, -0.05, 0.0, 0.0, 0.0)])
-    scene = {**scene_of({"file": in_place(text), "frame": "world"}), "ground": {}}
-    found = loading.check_with_overlaps(document_of(scene))
+    scene = {**moved_scene({"file": in_place(text), "frame": "world"}), "ground": {}}
+    found = loading.check_with_overlaps(moved_document(scene))
     assert ["overlaps the ground" in one.message for one in found] == [True]
 
 
 def test_a_hundred_thousand_rows_are_read_in_seconds(tmp_path: Path) -> None:
     rows = [(i * 1e-3, math.sin(i * 1e-3), 0.0, 0.0, 0.0, 0.0, i * 1e-3) for i in range(100_000)]
     (tmp_path / "long.csv").write_text(csv_of(rows), "utf-8")
-    scene = json.dumps(scene_of({"file": "long.csv"}, "object"))
+    scene = json.dumps(moved_scene({"file": "long.csv"}, "object"))
     start = time.process_time()
     result = somo_cli.simulate(loading.load_text(scene, str(tmp_path / "a.json")), 100)
     assert time.process_time() - start < 20  # 3 s, where nothing else runs
@@ -377,7 +376,7 @@ def test_a_file_is_named_relative_to_the_scene_and_goes_through_every_command(
     folder = tmp_path / "scenes"
     folder.mkdir()
     (folder / "poses.csv").write_text(csv_of(KNOTS), "utf-8")
-    scene = scene_of({"file": "poses.csv"}, "object", position=[0, 0, 1])
+    scene = moved_scene({"file": "poses.csv"}, "object", position=[0, 0, 1])
     (folder / "moved.json").write_text(json.dumps(scene), "utf-8")
     assert somo("check", "scenes/moved.json", "--strict").returncode == 0
     ran = somo("run", "scenes/moved.json", "--steps", "200", "--explain")

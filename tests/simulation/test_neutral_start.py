@@ -14,7 +14,7 @@ import somo_cli
 from somo_cli import loading
 from somo_cli.analysis.scene_variants import with_segments
 from somo_cli.scene.model import Scene
-from tests.manipulator.bodies import X, Y, actuator, hinge, manipulator
+from tests.builders.definitions import X, Y, actuator, hinge, manipulator
 
 pytest.importorskip("pybullet")
 
