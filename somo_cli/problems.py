@@ -128,12 +128,12 @@ class SimulationDiverged(SomoError):
         name: str,
         reason: str,
         hint: str = "",
-        kind: Literal["joint", "object"] = "joint",
+        kind: Literal["joint", "manipulator", "object"] = "joint",
     ) -> None:
         self.step = step
         self.time = time
         self.name = name
-        """Of the joint or the object, as `kind` says."""
+        """Of the joint, the manipulator or the object, as `kind` says."""
         self.reason = reason
         self.hint = hint
         self.kind = kind

@@ -17,6 +17,8 @@ from somo_cli.simulation.integrator.refresh_policy import (
     MONITORING_INTERVAL,
     SLOW_REFRESH,
 )
+from somo_cli.simulation.integrator.spinning_base import ENERGY_GROWTH as SPIN_ENERGY_GROWTH
+from somo_cli.simulation.integrator.spinning_base import spin_to_follow
 from somo_cli.simulation.monitoring.penetration import steps_between_samples
 from somo_cli.simulation.plan.build import needs_engine_limits
 from somo_cli.simulation.plan.model import Plan
@@ -171,6 +173,7 @@ def _inertia_decision(plan: Plan) -> Decision:
 
 
 def _rotation_decisions(plan: Plan) -> Iterator[Decision]:
+    yield from _base_decisions(plan)
     free = [one for one in plan.objects if not one.rigid_object.has_prescribed_pose]
     if not free:
         return
@@ -188,6 +191,19 @@ def _rotation_decisions(plan: Plan) -> Iterator[Decision]:
     equal = len(free) - len(turning)
     saves = f"{_count(equal, 'object')} with equal moments" if equal else None
     yield Decision(what, True, why, saves)
+
+
+def _base_decisions(plan: Plan) -> Iterator[Decision]:
+    free = [body.name for body in plan.bodies if body.base == "free"]
+    if not free:
+        return
+    what = "momentum of free bases that spin"
+    if plan.integrator == "explicit":
+        yield Decision(what, False, "the explicit integrator leaves their spin to the engine")
+        return
+    rate = f"{spin_to_follow(plan.time_step):.2g} rad/s"
+    why = f"of {', '.join(free)}, above {rate}, where energy would grow by more than"
+    yield Decision(what, True, f"{why} {SPIN_ENERGY_GROWTH:g} of itself in a second")
 
 
 def _motor_decision(plan: Plan) -> Decision:

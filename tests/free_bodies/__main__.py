@@ -9,6 +9,7 @@ import numpy as np
 
 from tests.free_bodies.bodies import Motion, Spinning, simulated_motion
 from tests.free_bodies.cases import BALL, BODIES
+from tests.free_bodies.chains import AXES, CHAINS, STIFF, chain_motion, chain_plan, spin_of
 from tests.free_bodies.mujoco_body import mujoco_rotation
 from tests.free_bodies.truth import orientation, symmetric_top
 
@@ -27,6 +28,7 @@ def main() -> None:
                 fast = scaled(body, size / 1e-3)
                 motion = simulated_motion(fast, folder, 1e-3, LONG, 5)
                 print(f"  {body.name:22} h·omega {size:<5g} {energies(motion, fast)}")
+        _print_chains()
         print("orientation after 1 s [1], largest entry, at", *(f"{step:g}" for step in STEPS), "s")
         for body in (*BODIES, BALL):
             truth = orientation(body, 1.0)
@@ -39,6 +41,21 @@ def main() -> None:
         for step in STEPS:
             motion = simulated_motion(BALL, folder, step, 5.0, 5)
             print(f"  {BALL.name:22} {step:g} s: {energies(motion, BALL)}")
+
+
+def _print_chains() -> None:
+    """Print the same of chains whose base is free, about two axes each."""
+    print("chains with a free base, the same; a soft one only where its joints resolve the spin")
+    for name, definition in CHAINS.items():
+        for size in (0.01, 0.03, 0.1, 0.3, 1.0) if definition is STIFF else (0.01, 0.03, 0.1):
+            for axis in AXES:
+                motion = chain_motion(
+                    chain_plan(definition, spin_of(axis, size / 1e-3), 1e-3), LONG
+                )
+                print(
+                    f"  {name:22} h·omega {size:<5g} {motion.swing():9.1e} {motion.drift():9.1e} "
+                    f"{motion.momentum_error():9.1e}"
+                )
 
 
 def scaled(body: Spinning, size: float) -> Spinning:

@@ -111,6 +111,15 @@ class WorldFreeBody(WorldBody, Protocol):
         Of the last `mass_matrix`, in the base's own axes: angular, then linear.
         """
 
+    def whole_mass_matrix(self, angles: Sequence[float]) -> Array:
+        """Return the inertia of base and joints, shape (6 + n, 6 + n), base first, as above."""
+
+    def inertial_forces(self, angles: Sequence[float], motion: Array, acceleration: Array) -> Array:
+        """Return the forces, (6 + n,), with which a body moves so, where there is no gravity.
+
+        All are those of the base first, as above; the linear velocity changes nothing.
+        """
+
 
 class WorldPrescribedBody(WorldBody, Protocol):
     """What a run needs of a body whose base is moved."""

@@ -112,6 +112,11 @@ class BodyStepper:
         """Applies the torques of the law to the world; chosen anew at each check."""
         return self.law_stepper.apply_torques
 
+    @property
+    def base_rate(self) -> float:
+        """The angular velocity of the base [rad/s] if nothing holds that, else 0."""
+        return self.base.rate()
+
     def apply_at_check(self) -> None:
         """Apply the torques of the law at a check, and choose how to step until the next one."""
         if self._refresh_policy.is_gravity_implicit:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from typing import TypeAlias
 
 import numpy as np
 
@@ -20,6 +21,9 @@ from somo_cli.simulation.engine.interface import WorldBody
 from somo_cli.simulation.integrator.energy_bound import BodyEnergy
 from somo_cli.simulation.integrator.implicit_law import SpringDamperLaw
 from somo_cli.simulation.plan.model import Body
+
+BaseVelocity: TypeAlias = tuple[Vector, Vector]
+"""Velocity of the centre of mass of a base, and angular velocity, in the world."""
 
 
 class FixedBase:
@@ -63,6 +67,16 @@ class FixedBase:
         bias = self.world_body.bias(law.angles.tolist(), rates.tolist(), spin)
         return self.world_body.equivalent_joint_torques(bias)
 
+    def velocity_half_step_before(
+        self, law: SpringDamperLaw, before: BaseVelocity, after: BaseVelocity, rates_after: Array
+    ) -> BaseVelocity:
+        """Return the velocity of the base half a step before a start.
+
+        `law` has the angles of the start and the joint rates half a step before it. A step of the
+        engine led from the velocity `before` it, at the start, to those of base and joints `after`.
+        """
+        return _half_step_before(before[0], after[0]), _half_step_before(before[1], after[1])
+
     def mark_start(self) -> None:
         """Take the present state for that of the start, half a step before or at it."""
 
@@ -76,6 +90,14 @@ class FixedBase:
         """Apply the torques of the predicted step; `change` is what contact adds to a, (n,)."""
         self.world_body.apply(law.settle(change))
 
+    def rate(self) -> float:
+        """Return the angular velocity [rad/s] of a base that nothing holds or leads, else 0."""
+        return 0.0
+
+    def needs_fresh_inertia(self) -> bool:
+        """Whether the inertia is to be that of the present angles, however little they moved."""
+        return False
+
     def can_reuse_correction(self) -> bool:
         """Whether the motion of the base allows a correction to be reused; asked at each check."""
         return True
@@ -88,3 +110,8 @@ class FixedBase:
         self, energy: BodyEnergy, law: SpringDamperLaw, dynamics: Callable[[], ChainDynamics]
     ) -> None:
         """Add what the motion of the base changes to an energy that was just updated."""
+
+
+def _half_step_before(before: Vector, after: Vector) -> Vector:
+    x, y, z = (1.5 * one - 0.5 * other for one, other in zip(before, after, strict=True))
+    return x, y, z

@@ -13,9 +13,11 @@ from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.engine.interface import WorldBody
 from somo_cli.simulation.integrator.energy_bound import BodyEnergy
-from somo_cli.simulation.integrator.fixed_base import FixedBase
+from somo_cli.simulation.integrator.fixed_base import BaseVelocity, FixedBase
 from somo_cli.simulation.integrator.impacts import SMOOTH, limited_change
 from somo_cli.simulation.integrator.implicit_law import SpringDamperLaw
+from somo_cli.simulation.integrator.refresh_policy import MONITORING_INTERVAL
+from somo_cli.simulation.integrator.spinning_base import SpinningBase
 from somo_cli.simulation.plan.model import Body, Plan
 
 
@@ -45,6 +47,8 @@ class FloatingBase(FixedBase):
         # of the loads: on the base, in its own axes, and on the joints beyond what the law knows
         self._base_wrench: Array = np.zeros(6)
         self._residual_torques: Array = np.zeros(count)
+        self._steps = -1  # predicted so far, less one
+        self._spinning = SpinningBase(world_body, plan.time_step, plan.gravity)
         self._predicted: tuple[Array, Pose] = (
             np.zeros(0),
             Pose(),
@@ -79,6 +83,28 @@ class FloatingBase(FixedBase):
         self._previous_spin = 3 * self._spin - 2 * np.array(self.body.start.angular_velocity)
         self._spin_change = self._spin - self._previous_spin
 
+    def velocity_half_step_before(
+        self, law: SpringDamperLaw, before: BaseVelocity, after: BaseVelocity, rates_after: Array
+    ) -> BaseVelocity:
+        """Return the velocity half a step before a start; see `FixedBase`."""
+        axes = np.array(self.world_body.base_inertial_pose().rotation)
+        if not self._spinning.is_needed(before[1] @ axes, np.array(self.body.start.rates)):
+            return super().velocity_half_step_before(law, before, after, rates_after)
+        start, then = (
+            np.concatenate([spin @ axes, linear @ axes, rates])
+            for (linear, spin), rates in ((before, self.body.start.rates), (after, rates_after))
+        )
+        motion = self._spinning.motion_half_step_before(law.angles, start, then, law.rates)
+        return geometry.vector(axes @ motion[3:6]), geometry.vector(axes @ motion[:3])
+
+    def rate(self) -> float:
+        """Return the angular velocity [rad/s]."""
+        return float(np.linalg.norm(self._spin))
+
+    def needs_fresh_inertia(self) -> bool:
+        """Return whether the body spins so fast that its momentum is followed."""
+        return self._spinning.is_active
+
     def can_reuse_correction(self) -> bool:
         """Return False: the correction of the base is refreshed in every step."""
         return False
@@ -99,6 +125,9 @@ class FloatingBase(FixedBase):
 
     def predict(self, law: SpringDamperLaw) -> None:
         """Have the law predict the coming step, with what the joints feel of the base's forces."""
+        if self._is_spinning(law):
+            self._predict_spinning(law)
+            return
         world, angles = self.world_body, law.angles.tolist()
         coming_spin = self._coming_spin(law)
         centre = world.base_inertial_pose()
@@ -111,6 +140,22 @@ class FloatingBase(FixedBase):
             return world.equivalent_joint_torques(coming)
 
         law.predict(world.equivalent_joint_torques(present), joint_bias_at)
+        self._predicted = change, centre
+
+    def _is_spinning(self, law: SpringDamperLaw) -> bool:
+        """Whether the momentum is followed in the coming step; slow bodies are asked seldom."""
+        self._steps += 1
+        if not self._spinning.is_active and self._steps % MONITORING_INTERVAL:
+            return False
+        axes = np.array(self.world_body.base_inertial_pose().rotation)
+        return self._spinning.is_needed(self._spin @ axes, law.rates)
+
+    def _predict_spinning(self, law: SpringDamperLaw) -> None:
+        centre = self.world_body.base_inertial_pose()
+        axes = np.array(centre.rotation)
+        motion = np.concatenate([self._spin @ axes, self._velocity @ axes, law.rates])
+        coming_spin = self._coming_spin(law) @ axes
+        change = self._spinning.predict(law, axes, motion, self._base_wrench, coming_spin)
         self._predicted = change, centre
 
     def finish(self, law: SpringDamperLaw, change: Array | None) -> None:

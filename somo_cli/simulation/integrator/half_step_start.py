@@ -135,11 +135,14 @@ def _set_half_step_velocities(
     world.step()
     for body_stepper, acceleration, base in zip(body_steppers, accelerations, bases, strict=True):
         after = body_stepper.world_body.base_velocity()
-        linear, angular = (
-            _half_step_before(before, now) for before, now in zip(base, after, strict=True)
-        )
+        body_stepper.read_state()
+        rates_after = body_stepper.law.rates.copy()
         rates = np.array(body_stepper.body.start.rates) - 0.5 * plan.time_step * acceleration
-        body_stepper.reset_to_start(rates.tolist(), (linear, angular))
+        body_stepper.reset_to_start(rates.tolist(), after)
+        velocity = body_stepper.base.velocity_half_step_before(
+            body_stepper.law, base, after, rates_after
+        )
+        body_stepper.reset_to_start(rates.tolist(), velocity)
 
 
 def _half_step_before(before: Vector, after: Vector) -> Vector:

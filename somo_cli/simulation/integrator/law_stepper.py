@@ -75,7 +75,7 @@ class LawStepper:
     def predict_at_check(self, max_rate: float) -> None:
         """Do as `apply_at_check` does but for applying the torques, which the base does."""
         law = self._law
-        self._inertia.refresh_if_moved()
+        self._refresh_inertia()
         reach = FAR_LIMIT + LOOKAHEAD * MONITORING_INTERVAL * law.time_step * max_rate
         clearance = self._inertia.clearance(reach)
         law.limit_torques = self._limit_torques if clearance < reach else None
@@ -108,8 +108,14 @@ class LawStepper:
         self._base.finish(self._law, None)
 
     def _predict_refreshed(self) -> None:
-        self._inertia.refresh_if_moved()
+        self._refresh_inertia()
         self._base.predict(self._law)
+
+    def _refresh_inertia(self) -> None:
+        if self._base.needs_fresh_inertia():
+            self._inertia.refresh()
+        else:
+            self._inertia.refresh_if_moved()
 
     def _apply_alternating(self) -> None:
         if self._steps_left > 1:

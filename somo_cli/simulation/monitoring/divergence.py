@@ -17,6 +17,7 @@ from somo_cli.arrays import Array
 from somo_cli.problems import SimulationDiverged
 from somo_cli.simulation.dynamics.modal import largest_explicit_step
 from somo_cli.simulation.integrator.energy_bound import BodyEnergy
+from somo_cli.simulation.monitoring.base_divergence import check_bases
 from somo_cli.simulation.monitoring.object_divergence import check_objects
 from somo_cli.simulation.monitoring.object_motion import ObjectMotion
 from somo_cli.simulation.plan.model import Body, Plan
@@ -59,6 +60,10 @@ class BodyInMotion(Protocol):
 
 class MeasurableBody(BodyInMotion, Protocol):
     """A body whose speed and energy can be measured."""
+
+    @property
+    def base_rate(self) -> float:
+        """The angular velocity of its base [rad/s] if nothing holds that, else 0."""
 
     def gravity_work(self) -> float:
         """Return what gravity has given it, where its `input_energy` does not count that."""
@@ -104,6 +109,7 @@ class DivergenceMonitor:
             moving.measure()
         self._object_energy = self._read_object_energy()
         check(step, self._plan, self._bodies, self._object_energy)
+        check_bases(step, self._plan, self._bodies)
         if self._objects:
             ratio = _max_energy_ratio(self._plan)
             check_objects(step, self._plan, self._objects, self._bodies, self._object_energy, ratio)

@@ -76,7 +76,22 @@ class BulletDynamics:
         A free base is eliminated: it is what the joints feel when nothing holds the base. A
         constrained base is held within the step.
         """
-        # the base's rows, if it can move, come first: angular, then linear, in its own frame
+        matrix = self.whole_mass_matrix(angles)
+        if len(matrix) == self._count:
+            return matrix
+        self._base_coupling = matrix[:6, 6:]
+        if self._is_free:
+            self._free_base = FreeBase.of(matrix)
+            return self._free_base.joint_inertia
+        # products with an array of its own take a third of those with a part of another
+        joints: Array = matrix[6:, 6:].copy()
+        return joints
+
+    def whole_mass_matrix(self, angles: Sequence[float]) -> Array:
+        """Return the inertia of joints and a base that can move, shape (6 + n, 6 + n).
+
+        The base's rows come first: angular, then linear, in its own axes.
+        """
         try:
             rows = self.engine.calculateMassMatrix(self.index, angles)
         except (SystemError, self.engine.error) as error:
@@ -89,16 +104,26 @@ class BulletDynamics:
                 "world_scale: {length: 20, mass: 0.001}",
             ) from error
         pack, size = self._pack, len(rows)
-        matrix: Array = np.frombuffer(b"".join([pack(*row) for row in rows])).reshape(size, size)
-        if size == self._count:
-            return matrix
-        self._base_coupling = matrix[:6, 6:]
-        if self._is_free:
-            self._free_base = FreeBase.of(matrix)
-            return self._free_base.joint_inertia
-        # products with an array of its own take a third of those with a part of another
-        joints: Array = matrix[6:, 6:].copy()
-        return joints
+        return np.frombuffer(b"".join([pack(*row) for row in rows])).reshape(size, size)
+
+    def inertial_forces(self, angles: Sequence[float], motion: Array, acceleration: Array) -> Array:
+        """Return the forces, (6 + n,), that a free body needs to move so where nothing acts on it.
+
+        Forces, motion and acceleration, (6 + n,), are those of the base first, angular, then
+        linear, in its own axes; its velocity changes nothing. There is no gravity.
+        """
+        set_gravity, client = self.engine.module.setGravity, self.engine.number
+        set_gravity(0.0, 0.0, 0.0, client)
+        forces = self.engine.module.calculateInverseDynamics(
+            self.index,
+            [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, *angles],
+            [*motion[:3].tolist(), 0.0, 0.0, 0.0, *motion[6:].tolist()],
+            acceleration.tolist(),
+            0,
+            client,
+        )
+        set_gravity(*self._gravity, client)
+        return np.frombuffer(self._pack(*forces[3:6], *forces[:3], *forces[6:]))
 
     def bias(
         self,
