@@ -131,23 +131,45 @@ def test_a_report_interrupted_leaves_nothing(tmp_path: Path, environment: dict[s
     assert list(tmp_path.iterdir()) == []
 
 
+STRUCK = "manipulators[0].initial_rates=10"
+
+
 def test_a_run_reports_its_error(somo: Somo, tmp_path: Path) -> None:
     ended = somo("run", SCENE, "--steps", "200", "--every", "50", "--error")
     assert ended.returncode == 0
     lines = ended.stderr.splitlines()
     assert lines[0].startswith("scene.csv: 5 rows of 14 columns; ")
-    assert lines[1].startswith("estimated error, by the same scene at half the step (")
-    assert lines[2].split() == ["final", "max", "rms"]
+    assert lines[1].startswith("estimated error, by the same scene at 0.002 and 0.0005 s (")
+    assert lines[2].split()[:2] == ["worst", "columns"]
+    assert len(lines) == 3 + 5 + 1
+    assert lines[-1].startswith("converged to 0.00")
     names = (tmp_path / "scene.csv").read_text("utf-8").splitlines()[0].split(",")
-    assert [line.split()[0] for line in lines[3:]] == names[1:]
-    about = json.loads((tmp_path / "scene.meta.json").read_text("utf-8"))
-    assert about["error"]["order"] == 2
-    assert list(about["error"]["columns"]) == names[1:]
-    first = about["error"]["columns"][names[1]]
-    assert lines[3].split()[1:] == [f"{first[key]:.1e}" for key in ("final", "max", "rms")]
+    about = json.loads((tmp_path / "scene.meta.json").read_text("utf-8"))["error"]
+    assert about["order"] == 2
+    assert about["verdict"] == lines[-1]
+    assert about["is_converged"] is True
+    assert list(about["columns"]) == names[1:]
+    listed = [line.split()[0] for line in lines[3:-1]]
+    assert listed == [one["column"] for one in about["worst"]]
+    relative = [one["relative"] for one in about["worst"]]
+    assert relative == sorted(relative, reverse=True)
+    assert relative[0] == max(one["relative"] for one in about["columns"].values())
+    first = about["columns"][names[1]]
+    assert first["relative"] == first["judged"] / first["scale"]
     assert 0 < first["rms"] <= first["max"] < 1e-3
     plain = somo("run", SCENE, "--steps", "200", "--every", "50", "-o", "-", "-q")
     assert plain.stdout == (tmp_path / "scene.csv").read_text("utf-8")
+
+
+def test_a_run_that_is_not_converged_says_so_and_what_to_try(somo: Somo, tmp_path: Path) -> None:
+    options = ("--time-step", "0.02", "--set", "manipulators[0].actuation=[]")
+    ended = somo("run", SCENE, "--steps", "20", *options, "--set", STRUCK, "--error")
+    assert ended.returncode == 0
+    last = ended.stderr.splitlines()[-1]
+    assert last.startswith("NOT converged: finger.")
+    assert " of its range); try --time-step 0.0" in last
+    about = json.loads((tmp_path / "scene.meta.json").read_text("utf-8"))["error"]
+    assert (about["verdict"], about["is_converged"]) == (last, False)
 
 
 def test_an_error_is_reported_beside_a_pipe(somo: Somo) -> None:

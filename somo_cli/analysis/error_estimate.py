@@ -1,88 +1,174 @@
-"""The error of each column of a run, estimated from the same scene with half the time step."""
+"""The error of each column of a run, estimated from the same scene at other time steps."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 
-import numpy as np
-
-from somo_cli.analysis.errors import ErrorSummary
-from somo_cli.analysis.recorded_run import Clock, OpenWorld
-from somo_cli.arrays import Array
+from somo_cli.analysis.column_families import column_families
+from somo_cli.analysis.column_scales import scales
+from somo_cli.analysis.level_comparison import Differences, LevelRows, OrderAccumulator, compare
+from somo_cli.analysis.observed_order import ObservedOrder, observed_order
+from somo_cli.analysis.spooled_run import LevelRunner, ReadRows, SpooledRun
+from somo_cli.problems import SimulationDiverged
 from somo_cli.scene import columns
 from somo_cli.scene.model import Integrator
 from somo_cli.simulation.plan.model import Plan
-from somo_cli.simulation.run import run
 
 CONVERGENCE_ORDER: dict[Integrator, int] = {"implicit": 2, "euler": 1, "explicit": 1}
-"""Order of convergence of each integrator."""
+"""Order of convergence of each integrator, where motion is smooth."""
+
+
+@dataclass(frozen=True, slots=True)
+class ColumnError:
+    """The estimated error of one column, in its unit.
+
+    `final`, `maximum` and `rms` are of the values at the rows. `judged` is by the measure of the
+    column's family, and `relative` is that over `scale`. `ends` are the last values of the run and
+    of the finer one.
+    """
+
+    name: str
+    unit: str
+    measure: str
+    final: float
+    maximum: float
+    rms: float
+    judged: float
+    scale: float
+    order: ObservedOrder
+    ends: tuple[float, float]
+
+    @property
+    def relative(self) -> float:
+        """The error over the scale; 0 for a column that is the same in all runs."""
+        return self.judged / self.scale if self.scale > 0 else 0.0
 
 
 @dataclass(frozen=True, slots=True)
 class ErrorEstimate:
-    """The estimated error of every column but the time, and the run time of the second run [s].
+    """The estimated error of every column but the time, and what the other runs took [s].
 
-    The errors are those of the run itself, not of the second, finer run.
+    The errors are those of the run at `time_step` [s], and none if only its start was recorded;
+    `others` are the steps of the runs that it was compared with.
     """
 
+    time_step: float
+    others: tuple[float, ...]
     order: int
-    errors: tuple[ErrorSummary, ...]
+    errors: tuple[ColumnError, ...]
     run_time: float
 
 
 def estimate(
-    plan: Plan,
-    rows: Callable[[int], Array],
-    steps: int,
-    open_world: OpenWorld,
-    clock: Clock,
-    advance: Callable[[int], None] = lambda done: None,
+    plan: Plan, rows: Callable[[], ReadRows], steps: int, runner: LevelRunner
 ) -> ErrorEstimate:
-    """Run a plan again with half the step and compare the rows; `rows(n)` returns the next n.
+    """Run a plan again at twice and at half the step, and compare the rows.
 
-    For an integrator of order p, y(h) - y(h/2) is the error of y(h) times 1 - 2^-p: Richardson,
-    Phil. Trans. R. Soc. A 226 (1927) 299. Raises SimulationDiverged and EngineRefused.
+    `rows()` gives the rows of the run from the start, with impulses. y(h) - y(h/2) is the error of
+    y(h) times 1 - 2^-p, with the order p that y(2h) - y(h) shows: Richardson, Phil. Trans. R. Soc.
+    A 226 (1927) 299. A run that diverges at twice the step is replaced by one at a quarter. Raises
+    SimulationDiverged and EngineRefused.
     """
-    order = CONVERGENCE_ORDER[plan.integrator]
-    accumulator = _ErrorAccumulator(plan, rows, 1 / (1 - 2.0**-order))
-    # both runs last for the same time, so the second has no stop conditions
-    half = replace(plan, time_step=plan.time_step / 2, every=plan.every * 2, stop_conditions=())
-    with open_world(half) as world:
-        run_time = run(half, world, accumulator.compare, 2 * steps, clock, advance).wall_time
-    return ErrorEstimate(order, accumulator.errors(), run_time)
+    # all runs last for the same time, so the others have no stop conditions
+    plan = replace(plan, stop_conditions=())
+    coarser, stride = coarser_plan(plan)
+    with ExitStack() as stack:
+
+        def run(other: Plan, count: int) -> SpooledRun:
+            return runner.run(other, count, stack.enter_context(runner.open_file()))
+
+        def finer(factor: int) -> LevelRows:
+            return LevelRows(run(finer_plan(plan, factor), factor * steps).reader())
+
+        try:
+            # a run may be too short for one at twice the step
+            has_coarser = steps >= 2 * stride * plan.every
+            doubled = run(coarser, steps // 2) if has_coarser else None
+        except SimulationDiverged:
+            half, quarter = finer(2), finer(4)
+            factors: tuple[float, ...] = (2, 4)
+            found, order = compare(plan, [LevelRows(rows()), half, quarter], (0, 1))
+        else:
+            half = finer(2)
+            own = LevelRows(rows())
+            if doubled is None:
+                factors = (2,)
+                found, order = compare(plan, [own, half], (0, 1))
+            else:
+                factors = (0.5, 2)
+                levels = [LevelRows(doubled.reader(), stride), own, half]
+                found, order = compare(plan, levels, (1, 2))
+    nominal = CONVERGENCE_ORDER[plan.integrator]
+    errors: tuple[ColumnError, ...] = ()
+    if found is not None:
+        errors = errors_of_run(plan, found, order, ObservedOrder(math.nan, nominal))
+    others = tuple(plan.time_step / factor for factor in factors)
+    return ErrorEstimate(plan.time_step, others, nominal, errors, runner.run_time)
 
 
-class _ErrorAccumulator:
-    """Compares each row of the finer run with its counterpart."""
+def errors_of_run(
+    plan: Plan, found: Differences, order: OrderAccumulator | None, unknown: ObservedOrder
+) -> tuple[ColumnError, ...]:
+    """Return the errors of a run from its differences to one at half the step.
 
-    def __init__(self, plan: Plan, rows: Callable[[int], Array], factor: float) -> None:
-        self._quaternions = [list(one) for one in columns.quaternion_columns(plan.recorded)]
-        self._rows = rows
-        self._factor = factor
-        width = len(columns.header(plan.recorded)) - 1
-        self._last: Array = np.zeros(width)
-        self._largest: Array = np.zeros(width)
-        self._squares: Array = np.zeros(width)
-        self._count = 0
+    `unknown` is the order of all columns if none was observed.
+    """
+    return _errors(plan, found, order, unknown, lambda seen: seen.share_of_run)
 
-    def compare(self, fine: Array) -> None:
-        coarse = self._rows(len(fine)).copy()
-        for part in self._quaternions:
-            # q and -q are the same rotation
-            is_opposite = np.sum(coarse[:, part] * fine[:, part], axis=1) < 0
-            coarse[np.ix_(is_opposite, part)] *= -1
-        difference = self._factor * np.abs(coarse - fine)[:, 1:]
-        self._last = difference[-1]
-        self._largest = np.maximum(self._largest, difference.max(axis=0))
-        self._squares += np.sum(difference**2, axis=0)
-        self._count += len(fine)
 
-    def errors(self) -> tuple[ErrorSummary, ...]:
-        rms = np.sqrt(self._squares / max(1, self._count))
-        return tuple(
-            ErrorSummary(final, most, mean)
-            for final, most, mean in zip(
-                self._last.tolist(), self._largest.tolist(), rms.tolist(), strict=True
+def errors_of_finer_run(
+    plan: Plan, found: Differences, order: OrderAccumulator | None, unknown: ObservedOrder
+) -> tuple[ColumnError, ...]:
+    """Return the errors of the run at half the step from the same."""
+    return _errors(plan, found, order, unknown, lambda seen: seen.share_of_finer)
+
+
+def _errors(
+    plan: Plan,
+    found: Differences,
+    order: OrderAccumulator | None,
+    unknown: ObservedOrder,
+    share: Callable[[ObservedOrder], float],
+) -> tuple[ColumnError, ...]:
+    names = columns.header(plan.recorded)
+    families = column_families(plan.recorded)
+    errors: dict[int, ColumnError] = {}
+    for family, scale in zip(families, scales(plan, families, found.range), strict=True):
+        seen = unknown
+        if order is not None:
+            seen = observed_order(*order.products(family), unknown.nominal)
+        factor = share(seen)
+        for column in family.columns:
+            at = column - 1
+            errors[column] = ColumnError(
+                name=names[column],
+                unit=family.unit,
+                measure=family.measure,
+                final=factor * float(found.final[at]),
+                maximum=factor * float(found.largest[at]),
+                rms=factor * float(found.rms[at]),
+                judged=factor * float(found.judged[at]),
+                scale=scale,
+                order=seen,
+                ends=(float(found.ends[0][at]), float(found.ends[1][at])),
             )
-        )
+    return tuple(errors[column] for column in sorted(errors))
+
+
+def coarser_plan(plan: Plan) -> tuple[Plan, int]:
+    """Return the plan at twice the step, and which of the rows both have: every one, or second."""
+    stride = 1 if plan.every % 2 == 0 else 2
+    coarser = replace(
+        plan,
+        time_step=2 * plan.time_step,
+        every=plan.every // 2 if stride == 1 else plan.every,
+    )
+    return coarser, stride
+
+
+def finer_plan(plan: Plan, factor: int) -> Plan:
+    """Return the plan at its step over a whole number, with rows at the same instants."""
+    return replace(plan, time_step=plan.time_step / factor, every=plan.every * factor)

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 
 from somo_cli.analysis import conditioning
 from somo_cli.analysis.modes import SingularInertia
+from somo_cli.analysis.round_steps import round_down_step
 from somo_cli.analysis.stability import (
     EXPLICIT_SAFETY,
     TARGET_TIP_ERROR,
     StabilityForecast,
     forecast_of,
     predicted_error,
-    round_down_step,
 )
 from somo_cli.arrays import Array
 from somo_cli.document.parse import Document

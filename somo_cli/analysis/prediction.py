@@ -8,13 +8,13 @@ import numpy as np
 
 from somo_cli.analysis.modal_excitation import sideways_release, vibration
 from somo_cli.analysis.modes import Modes
+from somo_cli.analysis.round_steps import LARGEST_STEP
 from somo_cli.arrays import Array
 from somo_cli.scene.model import Integrator
 from somo_cli.simulation.dynamics.chain_dynamics import ChainPose
 from somo_cli.simulation.plan.model import Body, Plan
 
 HORIZON = 5.0  # s, over which errors of lightly damped modes grow
-LARGEST_STEP = 0.05  # s, that is ever recommended
 STEP_DIGITS = (1.0, 2.0, 5.0)  # times a power of ten
 MAX_TIP_TRAVEL = 2.0  # lengths that a tip can move from its start
 

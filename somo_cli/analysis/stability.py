@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from somo_cli.analysis.modes import Modes, modes_at
-from somo_cli.analysis.prediction import LARGEST_STEP, ModalMotion, predict_motion
+from somo_cli.analysis.prediction import ModalMotion, predict_motion
+from somo_cli.analysis.round_steps import round_down_step
 from somo_cli.arrays import Array
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.scene.model import Integrator
@@ -100,12 +100,3 @@ def _modes(plan: Plan, body: Body, pose: ChainPose) -> Modes:
         factors = [piece[0] for piece in load.signal.pieces]
         geometric += load_stiffness(load, pose, max(factors, key=abs))
     return modes_at(pose, body.base == "free", geometric)
-
-
-def round_down_step(step: float) -> float:
-    """Return the largest value of 1, 2 or 5 times a power of ten that is not larger [s]."""
-    if not step < LARGEST_STEP:
-        return LARGEST_STEP
-    exponent = math.floor(math.log10(step))
-    fits = [float(f"{digit}e{exponent}") for digit in (1, 2, 5)]
-    return max((one for one in fits if one <= step), default=float(f"5e{exponent - 1}"))

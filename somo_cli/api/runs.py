@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Any
@@ -114,6 +114,7 @@ def simulate(
     every: int | None = None,
     time_step: float | Auto | None = None,
     record_only: Sequence[str] = (),
+    tolerance: float | Mapping[str, float] | None = None,
 ) -> Result:
     """Simulate a scene, or a definition by itself, and return what it records.
 
@@ -121,9 +122,14 @@ def simulate(
     and `time_step` ([s], or "auto") take the place of what the scene says; `record_only` has
     patterns of column names, such as "finger.tip.*".
 
+    With a `tolerance` the step is halved, up to six times, until the estimated error of every
+    column is below this share of its range, such as 1e-2, or below the values of a mapping such as
+    {"cube.pose.*_m": 1e-4}, in the unit of the columns that match. Rows stay at the same instants.
+    The metadata have the errors; a run that is not within the tolerance is a RuntimeWarning.
+
     Raises:
         InvalidFile: The scene has errors, each at its line and column.
-        ValueError: A pattern matches no column, or `steps` is negative.
+        ValueError: A pattern matches no column, `steps` is negative, or a tolerance is none.
         SimulationDiverged: The numbers of the run have lost their meaning.
         EngineMissing, EngineRefused: There is no engine, or it does not take a body.
         OSError: A file cannot be read.
@@ -135,6 +141,10 @@ def simulate(
     if record_only:
         scene = select_by_patterns(scene, record_only)
     prepared = prepare(document, scene, warnings)
+    if tolerance is not None:
+        from somo_cli.api.refined import refined  # few runs need what it imports
+
+        return refined(prepared, steps, tolerance)
     blocks: list[Array] = [np.empty((0, len(prepared.names)))]
     # rows are views of a table that is made anew for each batch, so they can be kept
     with OpenRun(prepared.plan) as opened:

@@ -20,10 +20,10 @@ from somo_cli.problems import (
 if TYPE_CHECKING:
     from somo_cli.packages import Access
 
-EXIT_CODES = """Exit codes: 0 success; 1 a check found problems; 2 wrong usage; 3 the definition,
-scene or recording is invalid; 4 the simulation diverged; 5 a file cannot be read or written, or the
-engine or an extra is missing; 130 interrupted; 143 or 129 ended by SIGTERM or SIGHUP. A closed
-pipe ends a run quietly, with 0."""
+EXIT_CODES = """Exit codes: 0 success; 1 a check found problems, or a run is not within its
+tolerance; 2 wrong usage; 3 the definition, scene or recording is invalid; 4 the simulation
+diverged; 5 a file cannot be read or written, or the engine or an extra is missing; 130 interrupted;
+143 or 129 ended by SIGTERM or SIGHUP. A closed pipe ends a run quietly, with 0."""
 
 app = typer.Typer(
     help="Simulate soft, continuum manipulators as chains of links and spring-dampers.",

@@ -1,11 +1,10 @@
 """somo run: a scene to a trajectory in CSV."""
 
-import json
 import time
 from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, BinaryIO
 
 import typer
 
@@ -23,15 +22,22 @@ from somo_cli.cli.application import (
     require,
 )
 from somo_cli.cli.outputs import refuse_unsafe
-from somo_cli.cli.run_outputs import Targets, beside, outputs_of, target_of_events, with_columns
+from somo_cli.cli.run_outputs import (
+    Targets,
+    outputs_of,
+    target_of_events,
+    with_columns,
+    write_metadata,
+)
 from somo_cli.problems import SimulationDiverged
 
 if TYPE_CHECKING:
     from somo_cli.analysis.error_estimate import ErrorEstimate
+    from somo_cli.analysis.spooled_run import SpooledRun
+    from somo_cli.analysis.tolerances import Tolerances
     from somo_cli.api.runs import PreparedRun
     from somo_cli.loading import Auto
     from somo_cli.simulation.plan.model import Plan
-    from somo_cli.simulation.recording.csv_writer import RowSpool
     from somo_cli.simulation.run import RunSummary
 
 
@@ -65,9 +71,25 @@ def run(
         bool,
         typer.Option(
             "--error",
-            help="Run again at half the step, and say the estimated error of every column.",
+            help="Run again at half and at twice the step, and say how far off the columns are, "
+            "and whether the run is converged.",
         ),
     ] = False,
+    tolerance: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--tolerance",
+            metavar="SHARE|COLUMN=VALUE",
+            help="Halve the step until the estimated error of every column is below this share of "
+            "its range, such as 1e-2, or of the columns that match a pattern, in their unit, such "
+            "as 'cube.pose.*_m=1e-4'; write the finest run. Exits with 1 if that does not "
+            "succeed. Repeatable.",
+        ),
+    ] = None,
+    halvings: Annotated[
+        int,
+        typer.Option("--halvings", min=1, max=20, help="Most halvings of the step."),
+    ] = 6,
     record: Annotated[
         list[str] | None,
         typer.Option(
@@ -117,6 +139,8 @@ def run(
     """
     from somo_cli import loading
 
+    hint = "--tolerance tells the error as well: leave --error out"
+    require(not (tolerance and with_error), "--error", hint)
     step = _step(time_step)
     document = loading.load(scene, sets or [], *access_of(allow_outside, package))
     planned, warnings = loading.scene_of(document, every, step)
@@ -132,9 +156,27 @@ def run(
     prepared = runs.prepare(document, planned, warnings, keeps_unused)
     if explains:
         terminal.print_lines(map(str, plan_report.explain(prepared.plan)))
-    summary = _simulate(prepared, steps, targets, sets or [], with_error, quiet)
-    if is_strict and summary.findings:
+    is_known = True
+    if tolerance:
+        from somo_cli.cli.run_tolerance import simulate_to_tolerance
+
+        allowed = _tolerances(tolerance, prepared.names)
+        summary, is_known = simulate_to_tolerance(
+            prepared, steps, targets, sets or [], allowed, halvings, quiet
+        )
+    else:
+        summary = _simulate(prepared, steps, targets, sets or [], with_error, quiet)
+    if not is_known or (is_strict and summary.findings):
         raise typer.Exit(1)
+
+
+def _tolerances(texts: Sequence[str], names: Sequence[str]) -> "Tolerances":
+    from somo_cli.analysis.tolerances import read_tolerances
+
+    try:
+        return read_tolerances(texts, names[1:])
+    except ValueError as error:
+        raise typer.BadParameter(str(error), param_hint="'--tolerance'") from None
 
 
 def _step(text: str | None) -> "float | Auto | None":
@@ -160,42 +202,39 @@ def _simulate(
     with_error: bool,
     quiet: bool,
 ) -> "RunSummary":
-    from somo_cli.simulation.recording.csv_writer import RowSpool
-
     output, _ = targets
-    names = prepared.names
+    lines: list[str] = []
+    failure: SimulationDiverged | None = None
     with files.temporary_file() if with_error else nullcontext() as kept:
-        spool = None if kept is None else RowSpool(kept, len(names))
-        summary, events = _recorded(prepared, steps, targets, spool)
+        spooled = None if kept is None else _spooled(prepared.plan, kept)
+        summary, events = _recorded(prepared, steps, targets, spooled)
         about = prepared.metadata(summary, sets)
         about["scene"] = files.relative_path(prepared.document.source, output)
         if events is not None:
             about["events"] = events
-        estimate, failure = None, None
-        if spool is not None:
+        if spooled is not None:
+            from somo_cli.analysis import error_report
+
             try:
-                estimate = _estimated(prepared.plan, spool, summary.steps)
-                about["error"] = run_report.plain_estimate(estimate, names[1:])
+                estimate = _estimated(prepared.plan, spooled, summary.steps)
+                about["error"] = error_report.plain_estimate(estimate)
+                lines = error_report.estimate_lines(estimate)
             except SimulationDiverged as error:
                 about["error"], failure = None, error
-    if output != "-" and not output_files.is_direct(output):
-        output_files.write_atomically(
-            beside(output, "meta.json"), json.dumps(about, indent=2) + "\n"
-        )
+    write_metadata(output, about)
     if not quiet:
         terminal.print_lines(run_report.summary_lines(prepared, summary, targets, events))
     for line in run_report.finding_lines(summary):
         terminal.print_message(line)
-    if estimate is not None:
-        terminal.print_lines(run_report.estimate_table(estimate, names[1:]))
+    terminal.print_lines(lines)
     if failure is not None:
-        terminal.print_message("somo: there is no estimate of the error: at half the step")
+        terminal.print_message("somo: there is no estimate of the error: at a smaller step")
         raise failure
     return summary
 
 
 def _recorded(
-    prepared: "PreparedRun", steps: int, targets: Targets, spool: "RowSpool | None"
+    prepared: "PreparedRun", steps: int, targets: Targets, spooled: "SpooledRun | None"
 ) -> "tuple[RunSummary, int | None]":
     """Simulate into the files; return a summary and, if events are recorded, their number."""
     from somo_cli.api import runs
@@ -213,16 +252,18 @@ def _recorded(
             if of_events is None
             else output_files.open_partial(of_events) as event_stream,
             stdout_to_stderr(),
-            runs.OpenRun(prepared.plan) as opened,
+            runs.OpenRun(prepared.plan if spooled is None else spooled.plan) as opened,
             terminal.progress(steps, "simulating") as advance,
         ):
             writer = CsvWriter(stream, prepared.names, is_live=is_live)
             events = (
                 None if event_stream is None else ContactEventWriter(event_stream, prepared.plan)
             )
-            write = writer.write if spool is None else spool.write_through(writer.write)
             on_event = None if events is None else events.write
-            summary = opened.run(steps, write, advance, on_event, is_live)
+            take = writer.write if spooled is None else spooled.through(writer.write)
+            summary = opened.run(steps, take, advance, on_event, is_live)
+            if spooled is not None:
+                summary = spooled.finish(summary)
             return summary, None if events is None else events.events
     except (SimulationDiverged, KeyboardInterrupt):
         for target in targets:
@@ -231,10 +272,19 @@ def _recorded(
         raise
 
 
-def _estimated(plan: "Plan", spool: "RowSpool", steps: int) -> "ErrorEstimate":
+def _spooled(plan: "Plan", stream: BinaryIO) -> "SpooledRun":
+    from somo_cli.analysis.spooled_run import SpooledRun
+
+    return SpooledRun(plan, stream)
+
+
+def _estimated(plan: "Plan", spooled: "SpooledRun", steps: int) -> "ErrorEstimate":
     from somo_cli.analysis.error_estimate import estimate
+    from somo_cli.analysis.spooled_run import LevelRunner
     from somo_cli.simulation.engine.bullet.c_stdio import stdout_to_stderr
     from somo_cli.simulation.engine.bullet.world import BulletWorld
 
-    with stdout_to_stderr(), terminal.progress(2 * steps, "at half the step") as advance:
-        return estimate(plan, spool.reader(), steps, BulletWorld, time.perf_counter, advance)
+    total = 2 * steps + steps // 2
+    with stdout_to_stderr(), terminal.progress(total, "at other steps") as advance:
+        runner = LevelRunner(BulletWorld, time.perf_counter, files.temporary_file, advance)
+        return estimate(plan, spooled.reader, steps, runner)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import typer
 
@@ -52,6 +53,13 @@ def outputs_of(targets: Targets) -> list[Output]:
     if events is not None:
         found += [(events, "--events"), (f"{events}.partial", "--events")]
     return [one for one in found if one[0] != "-.partial"]
+
+
+def write_metadata(output: str, about: Mapping[str, Any]) -> None:
+    """Write metadata beside an output, unless that is a stream or a device."""
+    if output != "-" and not output_files.is_direct(output):
+        text = json.dumps(about, indent=2) + "\n"
+        output_files.write_atomically(beside(output, "meta.json"), text)
 
 
 def beside(output: str, suffix: str) -> str:

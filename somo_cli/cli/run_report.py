@@ -1,12 +1,10 @@
-"""The summary, the warnings and the estimated error at the end of `somo run`."""
+"""The summary and the warnings at the end of `somo run`."""
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from somo_cli.cli.run_outputs import Targets
 
 if TYPE_CHECKING:
-    from somo_cli.analysis.error_estimate import ErrorEstimate
     from somo_cli.api.runs import PreparedRun
     from somo_cli.simulation.run import RunSummary
 
@@ -38,33 +36,6 @@ def finding_lines(summary: "RunSummary") -> list[str]:
     for one in summary.findings:
         lines += [f"somo: warning: {one.message} [{one.code}]", f"  hint: {one.hint}"]
     return lines
-
-
-def plain_estimate(estimate: "ErrorEstimate", names: Sequence[str]) -> dict[str, object]:
-    """Return the estimated error of every column as values for JSON."""
-    return {
-        "method": "the same scene at half the step",
-        "order": estimate.order,
-        "run_time_s": estimate.run_time,
-        "columns": {
-            name: {"final": error.final, "max": error.maximum, "rms": error.rms}
-            for name, error in zip(names, estimate.errors, strict=True)
-        },
-    }
-
-
-def estimate_table(estimate: "ErrorEstimate", names: Sequence[str]) -> list[str]:
-    """Return the estimated error of every column as lines of text."""
-    from somo_cli.analysis.text_table import table_lines
-
-    rows = [["", "final", "max", "rms"]]
-    for name, error in zip(names, estimate.errors, strict=True):
-        values = (error.final, error.maximum, error.rms)
-        rows.append([name, *(f"{value:.1e}" for value in values)])
-    return [
-        f"estimated error, by the same scene at half the step ({estimate.run_time:.3g} s more):",
-        *(f"  {line}" for line in table_lines(rows)),
-    ]
 
 
 def _place(output: str) -> str:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import itertools
 import json
-from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 import pytest
 
+from somo_cli.analysis.error_estimate import ErrorEstimate, estimate
+from somo_cli.analysis.spooled_run import LevelRunner
 from somo_cli.arrays import Array
+from somo_cli.files import temporary_file
 from somo_cli.scene import columns
 from somo_cli.scene.model import Scene
 from somo_cli.simulation import run
@@ -48,12 +49,6 @@ def columns_of(scene_or_plan: Scene | Plan, steps: int) -> dict[str, Array]:
     return dict(zip(columns.header(plan.recorded), rows.T, strict=True))
 
 
-def in_turn(rows: Sequence[Sequence[float]]) -> Callable[[int], Array]:
-    """Return a function that gives the next so many rows."""
-    left = iter(rows)
-    return lambda count: np.array(list(itertools.islice(left, count)))
-
-
 def recorded_columns(data: Data, steps: int, **record: Any) -> dict[str, np.ndarray]:
     """Simulate a scene given as data, recording these, and return its columns by name."""
     pytest.importorskip("pybullet")
@@ -63,3 +58,13 @@ def recorded_columns(data: Data, steps: int, **record: Any) -> dict[str, np.ndar
 def stacked_columns(found: dict[str, np.ndarray], *names: str) -> np.ndarray:
     """Return some columns side by side, shape (rows, names)."""
     return np.stack([found[name] for name in names], axis=1)
+
+
+def estimated_errors(scene_or_plan: Scene | Plan, steps: int) -> ErrorEstimate:
+    """Simulate, and return the estimated error of every column."""
+    plan = scene_or_plan if isinstance(scene_or_plan, Plan) else make_plan(scene_or_plan)
+    runner = LevelRunner(BulletWorld, lambda: 0.0, temporary_file)
+    with temporary_file() as stream:
+        spooled = runner.run(plan, steps, stream)
+        assert runner.summary is not None
+        return estimate(plan, spooled.reader, runner.summary.steps, runner)

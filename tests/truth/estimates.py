@@ -8,13 +8,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from somo_cli.analysis import closed_forms
-from somo_cli.analysis.error_estimate import estimate
 from somo_cli.scene.model import Integrator, Scene
-from somo_cli.simulation.engine.bullet.world import BulletWorld
-from somo_cli.simulation.plan.build import make_plan
 from tests.bench.accuracy import MOTIONS, driven_finger, driven_finger_in_mujoco
 from tests.builders import pendulum
-from tests.builders.runs import in_turn, rows_of
+from tests.builders.runs import estimated_errors, rows_of
 from tests.truth.table import Row
 
 STEPS = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4)
@@ -59,8 +56,7 @@ def of_finger(
 
 def reported_errors(scene: Scene) -> np.ndarray:
     """Return the largest error over one second that is reported of each column."""
-    plan, steps = make_plan(scene), round(1 / scene.time_step)
-    found = estimate(plan, in_turn(rows_of(plan, steps)), steps, BulletWorld, lambda: 0.0)
+    found = estimated_errors(scene, round(1 / scene.time_step))
     return np.array([error.maximum for error in found.errors])
 
 

@@ -1,0 +1,69 @@
+"""The order with which a column converges, from three runs, and what it says of its error."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+LEAST_ORDER = 0.75  # an order below is taken for this one
+LEAST_COSINE = 0.9  # between differences that fall regularly
+IRREGULAR_SHARE = 1.5
+"""The error of a run over its distance from one at half the step, where no order is seen.
+
+Where bodies strike each other, and where friction sticks, errors change with the step without a
+rule. If errors of sizes 1 and 1/2 have nothing to do with each other, their distance is 1.1 times
+the error of the run; of 92 such errors of shipped scenes, whose true size is known from a sixteenth
+of the step, half were within a factor of 1.5 of 1.5 times the distance and a sixth were larger.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class ObservedOrder:
+    """How two differences of three runs, each with half the step, belong together.
+
+    `value` is the order seen, nan where the differences are not parallel; `nominal` is the order of
+    the integrator where motion is smooth. `is_growing` says that the finer two runs are at least as
+    far apart as the coarser two.
+    """
+
+    value: float
+    nominal: int
+    is_irregular: bool = False
+    is_growing: bool = False
+
+    @property
+    def share_of_run(self) -> float:
+        """The error of a run over its distance from the next finer one: 1 / (1 - 2^-p)."""
+        if self.is_irregular:
+            return IRREGULAR_SHARE if self.nominal > 1 else 2.0
+        return 1 / (1 - 2**-self._used)
+
+    @property
+    def share_of_finer(self) -> float:
+        """The error of that finer run over the same distance: 1 / (2^p - 1), or half the above."""
+        return self.share_of_run / 2 if self.is_irregular else 1 / (2**self._used - 1)
+
+    @property
+    def expected(self) -> float:
+        """The order with which the error is expected to fall at smaller steps."""
+        return 1.0 if self.is_irregular else self._used
+
+    @property
+    def _used(self) -> float:
+        if math.isnan(self.value):
+            return self.nominal
+        return min(max(self.value, LEAST_ORDER), self.nominal)
+
+
+def observed_order(before: float, both: float, after: float, nominal: int) -> ObservedOrder:
+    """Return the order from before², before · after and after² of two differences of runs.
+
+    Errors that fall with the order p are parallel, and the coarser is 2^p times the finer.
+    """
+    if before <= 0 or after <= 0:
+        return ObservedOrder(math.nan, nominal)
+    cosine = both / math.sqrt(before * after)
+    is_growing = after >= before
+    if cosine < LEAST_COSINE:
+        return ObservedOrder(math.nan, nominal, is_irregular=True, is_growing=is_growing)
+    return ObservedOrder(math.log2(both / after), nominal, is_growing=is_growing)

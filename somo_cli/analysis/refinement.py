@@ -1,0 +1,182 @@
+"""Halve the step of a scene until every column is known well enough."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass
+from typing import Literal
+
+from somo_cli.analysis.error_estimate import (
+    CONVERGENCE_ORDER,
+    ColumnError,
+    coarser_plan,
+    errors_of_finer_run,
+    finer_plan,
+)
+from somo_cli.analysis.level_comparison import LevelRows, compare
+from somo_cli.analysis.observed_order import ObservedOrder
+from somo_cli.analysis.spooled_run import LevelRunner, SpooledRun
+from somo_cli.analysis.tolerances import Tolerances
+from somo_cli.problems import SimulationDiverged
+from somo_cli.simulation.plan.model import Plan
+from somo_cli.simulation.recording.contact_event_writer import ContactEventWriter
+from somo_cli.simulation.run import RunSummary
+
+MAX_HALVINGS = 6
+
+
+@dataclass(frozen=True, slots=True)
+class LevelReport:
+    """What one run cost [s], and how far off it is; no errors if there was no run to compare."""
+
+    time_step: float
+    run_time: float
+    status: Literal["ok", "diverged"] = "ok"
+    worst: ColumnError | None = None
+    excess: float = math.nan
+
+
+@dataclass(frozen=True, slots=True)
+class Refinement:
+    """The finest run of a scene and its errors; `halvings` is how often the step was halved.
+
+    `events` is the text of its contact events, and their number, if they were asked for.
+    """
+
+    plan: Plan
+    summary: RunSummary
+    rows: SpooledRun
+    errors: tuple[ColumnError, ...]
+    tolerances: Tolerances
+    halvings: int
+    levels: tuple[LevelReport, ...]
+    events: tuple[str, int] | None = None
+
+    @property
+    def is_converged(self) -> bool:
+        """Whether there are errors, and each is within its tolerance."""
+        return bool(self.errors) and all(
+            self.tolerances.excess(error) <= 1 for error in self.errors
+        )
+
+    @property
+    def run_time(self) -> float:
+        """The run time of all runs together [s]."""
+        return sum(level.run_time for level in self.levels)
+
+
+@dataclass(frozen=True, slots=True)
+class _Level:
+    """A run and the plan that it was of; it has every `stride`-th of the rows of the scene."""
+
+    plan: Plan
+    rows: SpooledRun
+    summary: RunSummary
+    stride: int
+    events: tuple[str, int] | None
+
+
+class Refiner:
+    """Runs a plan at twice its step, at its own, at half of it and so on.
+
+    The run at twice the step tells the order together with the next two. A coarse run that diverges
+    is left out. Rows are at the instants of the plan's own. Temporary files live as long as
+    `stack`.
+    """
+
+    def __init__(
+        self,
+        plan: Plan,
+        steps: int,
+        tolerances: Tolerances,
+        runner: LevelRunner,
+        stack: ExitStack,
+        max_halvings: int = MAX_HALVINGS,
+        with_events: bool = False,
+        on_level: Callable[[LevelReport], None] = lambda level: None,
+    ) -> None:
+        self._plan = plan
+        self._steps = steps
+        self._tolerances = tolerances
+        self._runner = runner
+        self._stack = stack
+        self._max_halvings = max_halvings
+        self._with_events = with_events
+        self._on_level = on_level
+        self._levels: list[_Level] = []
+        self._reports: list[LevelReport] = []
+
+    def refine(self) -> Refinement:
+        """Return the finest run. Raises EngineRefused, and SimulationDiverged if that diverges."""
+        errors: tuple[ColumnError, ...] = ()
+        for halvings in range(-1, self._max_halvings + 1):
+            errors = self._errors_at(halvings)
+            is_first = halvings < 1  # the scene's own step is compared with half of it
+            if not is_first and self._is_within(errors):
+                break
+        finest = self._levels[-1]
+        return Refinement(
+            finest.plan,
+            finest.summary,
+            finest.rows,
+            errors,
+            self._tolerances,
+            halvings,
+            tuple(self._reports),
+            finest.events,
+        )
+
+    def _is_within(self, errors: tuple[ColumnError, ...]) -> bool:
+        return bool(errors) and all(self._tolerances.excess(one) <= 1 for one in errors)
+
+    def _errors_at(self, halvings: int) -> tuple[ColumnError, ...]:
+        """Run a level and return its errors; none if there is no coarser run to compare it with."""
+        plan, stride = (
+            coarser_plan(self._plan) if halvings < 0 else (finer_plan(self._plan, 2**halvings), 1)
+        )
+        steps = self._steps // 2 if halvings < 0 else self._steps * 2**halvings
+        before = self._runner.run_time
+        try:
+            level = self._run(plan, steps, stride)
+        except SimulationDiverged:
+            if halvings == self._max_halvings:
+                raise
+            self._levels.clear()
+            self._report(LevelReport(plan.time_step, self._runner.run_time - before, "diverged"))
+            return ()
+        self._levels = [*self._levels[-2:], level]
+        errors = self._compared() if halvings > 0 else ()
+        worst = max(errors, key=self._tolerances.excess, default=None)
+        excess = math.nan if worst is None else self._tolerances.excess(worst)
+        cost = self._runner.run_time - before
+        self._report(LevelReport(plan.time_step, cost, "ok", worst, excess))
+        return errors
+
+    def _run(self, plan: Plan, steps: int, stride: int) -> _Level:
+        stream = self._stack.enter_context(self._runner.open_file())
+        text = io.StringIO() if self._with_events else None
+        writer = None if text is None else ContactEventWriter(text, plan)
+        rows = self._runner.run(plan, steps, stream, None if writer is None else writer.write)
+        summary = self._runner.summary
+        assert summary is not None, "the run has ended"
+        events = None if text is None or writer is None else (text.getvalue(), writer.events)
+        return _Level(plan, rows, summary, stride, events)
+
+    def _compared(self) -> tuple[ColumnError, ...]:
+        if len(self._levels) < 2:
+            return ()
+        nominal = CONVERGENCE_ORDER[self._plan.integrator]
+        levels = [LevelRows(one.rows.reader(), one.stride) for one in self._levels]
+        last = len(levels) - 1
+        found, order = compare(self._plan, levels, (last - 1, last))
+        if found is None:
+            return ()
+        unknown = ObservedOrder(math.nan, nominal, is_irregular=True)
+        return errors_of_finer_run(self._plan, found, order, unknown)
+
+    def _report(self, level: LevelReport) -> None:
+        self._reports.append(level)
+        self._on_level(level)
