@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from somo_cli.manipulator import urdf
+from somo_cli.simulation.decision import Decision
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
-from somo_cli.simulation.plan_report import Decision, explain, plain_data
+from somo_cli.simulation.plan_report import explain, plain_data
 from tests.builders.definitions import Data, X, Y, actuator, manipulator
 from tests.builders.runs import rows_of
 from tests.builders.scenes import DEFINITIONS, scene_from_file, scene_from_text

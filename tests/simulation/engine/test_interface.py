@@ -86,7 +86,7 @@ def used(plan: Plan, steps: int = STEPS) -> tuple[np.ndarray, set[Use]]:
 KINDS: dict[str, Callable[[], Scene]] = {
     "alone": scene,
     "turning in the air": lambda: scene(
-        manipulators=[{**FINGER, "base": "free", "angular_velocity": [8, 2, 5]}], gravity=[0, 0, 0]
+        manipulators=[{**FINGER, "base": "free", "angular_velocity": [30, 5, 8]}], gravity=[0, 0, 0]
     ),
     "implicit": lambda: on_ground("implicit"),
     "euler": lambda: on_ground("euler"),
