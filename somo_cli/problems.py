@@ -14,6 +14,8 @@ Pointer: TypeAlias = tuple[str | int, ...]
 LINE_BREAK = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
 """A line break of YAML, and so of a Span."""
 
+MAX_NUMBER = 1e20
+"""The largest number of any file, in any unit: powers of larger ones leave the range of floats."""
 MAX_TEXT_BYTES = 1_000_000
 """The largest definition or scene [bytes]."""
 

@@ -1,4 +1,4 @@
-"""No command replaces a file that it reads, or one that a stranger's file names."""
+"""Strangers' files: none chooses what is replaced, none takes for ever or leaves floats' range."""
 
 from __future__ import annotations
 
@@ -80,3 +80,54 @@ def test_the_metadata_of_a_run_does_not_replace_its_scene(somo: Somo, here: Path
     done = somo("run", "c.csv.partial", "--steps", "3", "-o", "c.csv")
     assert done.returncode == 2
     assert (here / "c.csv.partial").read_bytes() == scene
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("report", "tiny_scene.yaml"),
+        ("render", "tiny_scene.yaml", "--at", "0.1"),
+        ("render", "tiny_scene.yaml", "--until", "0.1", "-o", "a.gif"),
+    ],
+)
+def test_a_time_of_too_many_steps_is_said_at_once(
+    somo: Somo, here: Path, arguments: tuple[str, ...]
+) -> None:
+    if arguments[-1] == "a.gif":
+        pytest.importorskip("imageio_ffmpeg")
+    text = "time_step: 1e-12\nmanipulators:\n  - definition: finger.yaml\n"
+    (here / "tiny_scene.yaml").write_text(text, "utf-8")
+    done = somo(*arguments, timeout=20)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "time steps, more than 1e+08" in " ".join(done.stderr.split())
+
+
+@pytest.mark.parametrize(
+    ("command", "text", "place"),
+    [
+        (
+            ("calibrate", "torque", "--length", "0.1", "--joints", "5", "--data", "data.csv"),
+            "pressure_pa,force_n\n0,0\n20000,0.14\n50000,0.34\n-1e308,-0.69\n",
+            "data.csv:5:1",
+        ),
+        (
+            ("calibrate", "damping", "finger.yaml", "--ring-down", "data.csv"),
+            "time_s,tip.x_m\n0,0.01\n0.1,-0.005\n0.2,1e21\n0.3,-0.001\n",
+            "data.csv:4:5",
+        ),
+    ],
+)
+def test_a_number_of_a_csv_has_the_bounds_of_all_numbers(
+    somo: Somo, here: Path, command: tuple[str, ...], text: str, place: str
+) -> None:
+    (here / "data.csv").write_text(text, "utf-8")
+    done = somo(*command)
+    assert (done.returncode, done.stdout) == (3, "")
+    assert f"{place}: error: " in done.stderr
+    assert "no number may be larger than 1e+20" in done.stderr
+
+
+def test_a_scale_far_from_one_is_refused(somo: Somo, here: Path) -> None:
+    for scale in ("1e-160", "1e-7", "1e7", "0", "nan"):
+        done = somo("build", "finger.yaml", "--scale", scale, "-o", "-")
+        assert (done.returncode, done.stdout) == (2, "")

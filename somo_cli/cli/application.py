@@ -25,6 +25,9 @@ tolerance; 2 wrong usage; 3 the definition, scene or recording is invalid; 4 the
 diverged; 5 a file cannot be read or written, or the engine or an extra is missing; 130 interrupted;
 143 or 129 ended by SIGTERM or SIGHUP. A closed pipe ends a run quietly, with 0."""
 
+MAX_STEPS = 1e8
+"""The most time steps of a picture or a report, whose number follows from a time: hours of work."""
+
 app = typer.Typer(
     help="Simulate soft, continuum manipulators as chains of links and spring-dampers.",
     epilog=EXIT_CODES,
@@ -132,6 +135,12 @@ def access_of(allow_outside: bool, package: list[str] | None) -> "Access":
         return packages.Access(allow_outside, packages.read_packages(package or []))
     except ValueError as error:
         raise typer.BadParameter(str(error), param_hint="'--package'") from None
+
+
+def require_few_steps(steps: float, option: str) -> None:
+    """Exit with a usage error for a time that takes more than `MAX_STEPS` time steps."""
+    message = f"that takes {steps:.3g} time steps, more than {MAX_STEPS:.0e}: take a larger one"
+    require(steps <= MAX_STEPS, option, message)
 
 
 def require(is_right: bool, option: str, message: str) -> None:

@@ -58,8 +58,8 @@ def build(
     from somo_cli.manipulator.compile import compile_definition
     from somo_cli.manipulator.dimensions import Scale
 
-    is_scale = scale is None or 0 < scale <= 1e6
-    require(is_scale, "--scale", f"{scale} is not greater than 0 and at most 1e6")
+    is_scale = scale is None or 1e-6 <= scale <= 1e6
+    require(is_scale, "--scale", f"{scale} is not from 1e-6 to 1e6")
     is_name = tip_frame is None or _is_name(tip_frame)
     require(is_name, "--tip-frame", f"{tip_frame!r} is not a safe name")
     document = loading.load(definition, sets or [])

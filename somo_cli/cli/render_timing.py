@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from somo_cli.cli.application import require
+from somo_cli.cli.application import require, require_few_steps
 
 if TYPE_CHECKING:
     from fractions import Fraction
@@ -78,7 +78,9 @@ class Timing:
             times = [stop.time for stop in scene.stop_conditions if isinstance(stop, StopAtTime)]
             require(bool(times), "--until", "give the end of the film, here or by --steps")
             end = min(times)
-        return round(end / scene.time_step)
+        steps = end / scene.time_step
+        require_few_steps(steps, "--until" if self.is_film else "--at")
+        return round(steps)
 
     def frame_times(self, recording: RecordedMotion, why: str = "") -> tuple[float, ...]:
         """Return the times of the pictures [s]; `why` is the reason of an early end, if known."""

@@ -20,6 +20,7 @@ from somo_cli.cli.application import (
     app,
     report_errors,
     require,
+    require_few_steps,
 )
 from somo_cli.problems import ExtraMissing, InvalidFile, Problem
 
@@ -89,6 +90,7 @@ def report(
     """
     from somo_cli import loading
     from somo_cli.analysis import closed_form_references, study_export, study_report
+    from somo_cli.analysis.study import total_steps
     from somo_cli.analysis.study_model import StudySettings
     from somo_cli.simulation.metadata import provenance
 
@@ -109,6 +111,7 @@ def report(
         _instants(steps, duration),
         repeats,
     )
+    require_few_steps(total_steps(settings), "--duration")
     with _reference_of(document):
         closed_form_references.check_applicable(planned)
         study = _studied(planned, settings)

@@ -6,7 +6,7 @@ import math
 import re
 from dataclasses import dataclass
 
-from somo_cli.problems import Span
+from somo_cli.problems import MAX_NUMBER, Span
 
 _CELL = re.compile(r'[ \t]*(?:"(?P<quoted>(?:[^"]|"")*)"[ \t]*(?=,|$)|(?P<plain>[^,]*))')
 _PLAIN_ROW = re.compile(r"[-+.,0-9eE \t]+")
@@ -60,7 +60,9 @@ def plain_numbers(line: str) -> list[float]:
         numbers = list(map(float, line.split(",")))
     except ValueError:
         return []
-    return numbers if math.isfinite(sum(numbers)) else []
+    # the sum is not finite if one of them is not
+    is_sound = math.isfinite(sum(numbers)) and max(map(abs, numbers)) <= MAX_NUMBER
+    return numbers if is_sound else []
 
 
 def line_span(line: str, place: Span) -> Span:

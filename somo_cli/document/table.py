@@ -12,6 +12,7 @@ from operator import not_
 from somo_cli.document.csv_cells import cells_of, line_span, plain_numbers, values_of
 from somo_cli.problems import (
     LINE_BREAK,
+    MAX_NUMBER,
     InvalidFile,
     Problem,
     Span,
@@ -201,6 +202,9 @@ def _cell_problems(line: str, place: Span) -> Iterator[Problem]:
         span = cell.span(place.source, place.line)
         if not cell.value:
             yield Problem(span, "this cell is empty", "write a number")
+        elif _NUMBER.fullmatch(cell.value) and math.isfinite(float(cell.value)):
+            hint = f"no number may be larger than {MAX_NUMBER:g}"
+            yield Problem(span, f"{shortened(cell.value)} is too large", hint)
         elif _NUMBER.fullmatch(cell.value) or _NOT_FINITE.fullmatch(cell.value):
             message = f"not a finite number: {shortened(cell.value)}"
             yield Problem(span, message, "write an ordinary number, or leave the row out")
@@ -209,7 +213,7 @@ def _cell_problems(line: str, place: Span) -> Iterator[Problem]:
 
 
 def _is_number(value: str) -> bool:
-    return _NUMBER.fullmatch(value) is not None and math.isfinite(float(value))
+    return _NUMBER.fullmatch(value) is not None and abs(float(value)) <= MAX_NUMBER
 
 
 def _order_problems(table: Table, name: str) -> Iterator[Problem]:

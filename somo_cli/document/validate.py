@@ -32,10 +32,14 @@ from somo_cli.document.schemas import (
     unknown_and_known_keys,
     validator,
 )
-from somo_cli.problems import Pointer, Problem, closest_name, did_you_mean, in_reading_order
-
-MAX_NUMBER = 1e20
-"""The largest number of a file, in any unit: powers of larger ones leave the range of floats."""
+from somo_cli.problems import (
+    MAX_NUMBER,
+    Pointer,
+    Problem,
+    closest_name,
+    did_you_mean,
+    in_reading_order,
+)
 
 _Finding: TypeAlias = tuple[Pointer, bool, str, str]
 """The pointer of a value, whether the problem is with its key, the message and the hint."""

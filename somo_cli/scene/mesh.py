@@ -14,10 +14,10 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
-from somo_cli.document.validate import MAX_NUMBER
 from somo_cli.manipulator.geometry import Vector, vector
 from somo_cli.manipulator.hull import Hull
 from somo_cli.manipulator.solids import Inertial, lumped
+from somo_cli.problems import MAX_NUMBER
 from somo_cli.scene.closed_surface import OpenSurface, clean_surface, outward_faces
 
 FORMATS = (".obj", ".stl")

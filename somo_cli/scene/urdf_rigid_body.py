@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from somo_cli.document.validate import MAX_NUMBER
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
@@ -22,7 +21,7 @@ from somo_cli.manipulator.solids import (
     lumped,
     placed,
 )
-from somo_cli.problems import InvalidFile, Problem, Span
+from somo_cli.problems import MAX_NUMBER, InvalidFile, Problem, Span
 from somo_cli.scene import mesh, urdf_xml
 from somo_cli.scene.mesh import Hulls, MeshFile, MeshProperties
 from somo_cli.scene.urdf_xml import XmlElement
