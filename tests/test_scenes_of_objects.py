@@ -242,3 +242,21 @@ def test_it_is_drawn_as_it_falls(somo: Somo, tmp_path: Path) -> None:
     pictures = [(tmp_path / f"{name}.png").read_bytes() for name in ("start", "later", "recorded")]
     assert pictures[0] != pictures[1] == pictures[2]
     assert "8 pictures from 0 s to 0.28 s" in film.stderr
+
+
+@pytest.mark.moderate
+@pytest.mark.parametrize(
+    ("arguments", "what"),
+    [
+        (("fit", "fall.yaml", "--data", "rows.csv"), "a fit is about one"),
+        (("damping", "fall.yaml", "--ratio", "0.1"), "a damping ratio is about one"),
+    ],
+)
+def test_a_calibration_wants_a_manipulator(
+    somo: Somo, tmp_path: Path, arguments: tuple[str, ...], what: str
+) -> None:
+    (tmp_path / "fall.yaml").write_text(ON_GROUND, "utf-8")
+    (tmp_path / "rows.csv").write_text("time_s,tip.x_m\n0,0\n1,0\n", "utf-8")
+    refused = somo("calibrate", *arguments)
+    assert (refused.returncode, refused.stdout) == (3, "")
+    assert f"fall.yaml:2:1: error: there is no manipulator, and {what}" in refused.stderr

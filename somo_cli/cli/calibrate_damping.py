@@ -129,7 +129,7 @@ def _scene(path: str) -> "tuple[Document, Scene]":
     terminal.print_problems(warnings, document.texts)
     if not is_scene(document):
         found = dataclasses.replace(found, gravity=(0.0, 0.0, 0.0))
-    loading.refuse_multiple(document, found, "it is")
+    loading.refuse_multiple(document, found, "a damping ratio is")
     return document, found
 
 
