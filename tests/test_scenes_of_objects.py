@@ -259,4 +259,4 @@ def test_a_calibration_wants_a_manipulator(
     (tmp_path / "rows.csv").write_text("time_s,tip.x_m\n0,0\n1,0\n", "utf-8")
     refused = somo("calibrate", *arguments)
     assert (refused.returncode, refused.stdout) == (3, "")
-    assert f"fall.yaml:2:1: error: there is no manipulator, and {what}" in refused.stderr
+    assert f"fall.yaml:1:1: error: there is no manipulator, and {what}" in refused.stderr

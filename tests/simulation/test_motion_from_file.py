@@ -212,7 +212,7 @@ def placed_problems(
         ),
         ("time_s,x_m,y_m,z_m\n0,0,0,zero\n", (2, 7, "error", "not a number: 'zero'")),
         ("time_s,x_m,y_m,z_m\n0,0,0,nan\n", (2, 7, "error", "not a finite number: nan")),
-        ("time_s,x_m,y_m,z_m\n0,0,0,0\n1,0,1e21,0\n", (3, 5, "error", "1e+21 is too large")),
+        ("time_s,x_m,y_m,z_m\n0,0,0,0\n1,0,1e21,0\n", (3, 5, "error", "1e21 is too large")),
         (
             "time_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,0\n1,0,0,1\n",
             (4, 1, "error", "'time_s' must increase, found 1.0 after 1.0"),

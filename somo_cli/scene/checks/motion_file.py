@@ -9,8 +9,7 @@ from itertools import pairwise
 from typing import Any
 
 from somo_cli.document.parse import Document
-from somo_cli.document.table import MAX_PROBLEMS, Table, read_table, table_problems
-from somo_cli.document.validate import MAX_NUMBER
+from somo_cli.document.table import Table, read_table, table_problems
 from somo_cli.problems import (
     InvalidFile,
     Pointer,
@@ -87,7 +86,7 @@ def _table_problems(table: Table) -> Iterator[Problem]:
     yield from errors
     if has_errors(errors):
         return
-    errors = [*_size_problems(table), *_direction_problems(table)][:MAX_PROBLEMS]
+    errors = list(_direction_problems(table))
     yield from errors
     if not errors:
         yield from _length_warnings(table)
@@ -117,15 +116,6 @@ def _group_problems(table: Table) -> Iterator[Problem]:
     if not found:
         hint = f"give {', '.join(POSITION)}, and {', '.join(ANGLES)} or {', '.join(QUATERNION)}"
         yield Problem(place, "there are no columns of a position or a rotation", hint)
-
-
-def _size_problems(table: Table) -> Iterator[Problem]:
-    for name, values in table.columns.items():
-        if max(max(values), -min(values)) <= MAX_NUMBER:
-            continue
-        row = next(row for row, value in enumerate(values) if abs(value) > MAX_NUMBER)
-        hint = f"no number may be larger than {MAX_NUMBER:g}"
-        yield Problem(table.cell_span(row, name), f"{values[row]:g} is too large", hint)
 
 
 def _quaternions(table: Table) -> list[tuple[float, ...]]:
