@@ -43,7 +43,7 @@ class PiecewiseSignal:
     pieces: tuple[tuple[float, float, float, float], ...]
     period: float | None = None
     is_constant: bool = field(init=False, repr=False, compare=False)
-    """Whether the value is the same at all times; found once, since that looks at every piece."""
+    """Whether the value is the same at all times; found once, since that takes every piece."""
 
     def __post_init__(self) -> None:
         same = (self.pieces[0][0], *NO_CHANGE)

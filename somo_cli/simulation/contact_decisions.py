@@ -15,11 +15,18 @@ from somo_cli.simulation.plan.model import Plan
 def contact_decisions(plan: Plan) -> Iterator[Decision]:
     """Yield what is checked and computed where bodies and objects can touch."""
     if not plan.can_touch:
-        yield Decision("looks at how deep bodies are in each other", False, "nothing can touch")
+        yield Decision(
+            "monitoring of contact: depth, force, energy, missed contact",
+            False,
+            "nothing can touch",
+        )
         return
     between = steps_between_samples(plan.time_step, MONITORING_INTERVAL)
     sampled = f"the list of contact points in {between - 1} of {between} steps"
-    what, seldom = "looks at how deep bodies are in each other", "at most 8 ms apart"
+    what, seldom = (
+        "monitoring of contact: depth, force, energy, missed contact",
+        "at most 8 ms apart",
+    )
     yield Decision(what, True, seldom, sampled if between > 1 else None)
     yield _prediction_decision(plan)
     slides = "found every few steps; only what slides, and not along the engine's own directions"
@@ -28,7 +35,7 @@ def contact_decisions(plan: Plan) -> Iterator[Decision]:
         yield _self_collision_decision(plan)
     if held := savings.fixed_pairs(plan):
         saves = count_of(held, "pair")
-        yield Decision("collisions of what is held", False, "neither would yield", saves)
+        yield Decision("collisions between fixed bodies", False, "neither can move", saves)
     rebounds = any(surface.restitution > 0 for surface in plan.surfaces)
     why = "a restitution is above 0" if rebounds else "no restitution is above 0"
     yield Decision("engine parameters for rebounds", rebounds, why)
@@ -37,7 +44,7 @@ def contact_decisions(plan: Plan) -> Iterator[Decision]:
     if is_directed:
         yield Decision(what, True, "a surface has anisotropic_friction")
     else:
-        yield Decision(what, False, "no anisotropic_friction", "a look at contact in every step")
+        yield Decision(what, False, "no anisotropic_friction", "contact points in every step")
 
 
 def _self_collision_decision(plan: Plan) -> Decision:

@@ -71,7 +71,7 @@ def _collision_shape_decision(plan: Plan, solids: str | None) -> Decision:
 
 
 def _engine_decisions(plan: Plan) -> Iterator[Decision]:
-    yield Decision("dampers and springs of the engine", False, "in nobody's model")
+    yield Decision("dampers and springs of the engine", False, "the model has its own")
     yield Decision("sleeping of the engine", False, "springs act on what is at rest as well")
     # as many as `bullet` allows; without a row the first one is the last
     why = (
@@ -105,12 +105,10 @@ def _state_decisions(plan: Plan) -> Iterator[Decision]:
         yield Decision(what, False, "no column needs velocities between steps")
     ends = bool(plan.stop_conditions)
     why = (
-        f"{count_of(len(plan.stop_conditions), 'condition')} of stop"
-        if ends
-        else "no stop is given"
+        f"{count_of(len(plan.stop_conditions), 'stop condition')}" if ends else "the scene has none"
     )
-    saves = None if ends else f"a look every {MONITORING_INTERVAL} steps"
-    yield Decision("looks at what ends the run", ends, why, saves)
+    saves = None if ends else f"one check every {MONITORING_INTERVAL} steps"
+    yield Decision("checks of stop conditions", ends, why, saves)
 
 
 def _skipped_columns(plan: Plan) -> str | None:

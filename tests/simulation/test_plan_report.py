@@ -52,7 +52,7 @@ def test_each_reason_is_that_of_the_scene() -> None:
     assert found["engine parameters for rebounds"] == (True, "a restitution is above 0")
     assert found["contact points of recorded steps"] == (True, "columns need them")
     assert found["velocities of the step after a row"] == (True, "columns need velocities")
-    assert found["looks at what ends the run"] == (True, "1 condition of stop")
+    assert found["checks of stop conditions"] == (True, "1 stop condition")
     assert found["recorded state"] == (True, "contact_force, energy, every 5 steps")
     assert found["collisions within a manipulator"] == (False, "self_collision is off")
     within = "2 joints with limits, a row only beyond one"
@@ -83,7 +83,7 @@ def test_what_is_saved_of_one_manipulator_alone() -> None:
         # 1 axis, and of contact 4 in all and 8 of each link
         "recorded state": "69 of 71 columns in every row and all of them in 4 of 5 steps",
         "velocities of the step after a row": "a step beyond the last row",
-        "looks at what ends the run": "a look every 8 steps",
+        "checks of stop conditions": "one check every 8 steps",
     }
 
 
@@ -143,9 +143,11 @@ def test_pairs_that_are_spared_are_counted() -> None:
     found = saved(manipulators=two, ground={"height": -9})
     # neighbours of one, all five links of the other; two bases and the ground
     assert found["collisions within a manipulator"] == "at least 14 pairs of links"
-    assert found["collisions of what is held"] == "3 pairs"
+    assert found["collisions between fixed bodies"] == "3 pairs"
     free = [{**one, "base": "free"}]
-    assert "collisions of what is held" not in explained(manipulators=free, ground={"height": -9})
+    assert "collisions between fixed bodies" not in explained(
+        manipulators=free, ground={"height": -9}
+    )
 
 
 def test_links_that_are_merged_are_counted() -> None:

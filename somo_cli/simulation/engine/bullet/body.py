@@ -147,7 +147,7 @@ class BulletBody(BulletDynamics):
         return [by_name[joint.name] for joint in self._body.chain.joints]
 
     def _disable_engine_defaults(self) -> None:
-        """Switch off what is in nobody's model: engine damping, rate clamp, joint motors.
+        """Switch off what the model does not have: engine damping, rate clamp, joint motors.
 
         Motors stay where the plan wants their rows, with a torque that does nothing.
         """
