@@ -1,4 +1,4 @@
-"""Reads files, and what else the program needs of the file system."""
+"""Read files, and do what else the program needs from the file system."""
 
 from __future__ import annotations
 
@@ -72,10 +72,9 @@ def relative_path(path: str, other: str) -> str:
 
 
 def copy_examples(folder: str) -> list[str]:
-    """Copy the shipped definitions, and the schemas they name, into a new folder.
+    """Copy the shipped definitions and their schemas into a new folder; return the copies' paths.
 
-    The folder has all of them, or it does not come into being. Returns the paths of the copied
-    definitions. Raises OSError, also if the folder exists.
+    The folder is complete or does not exist. Raises OSError, also if the folder exists.
     """
     here = Path(__file__).parent
     shipped = here if (here / "definitions").is_dir() else here.parent  # wheel, else checkout
@@ -107,8 +106,8 @@ def _umask() -> int:
 def open_standard_streams() -> None:
     """Open the null device for each standard stream that the shell closed.
 
-    Otherwise the next file that is opened would get the descriptor, and so what is printed. That of
-    standard output is opened for reading, so that writing to it fails, as it should.
+    Otherwise the next opened file would get the descriptor, and everything that is printed. On
+    standard output it is open for reading only, so that writing fails, as it should.
     """
     access = (("stdin", "r", os.O_RDONLY), ("stdout", "w", os.O_RDONLY), ("stderr", "w", os.O_RDWR))
     for descriptor, (name, mode, flags) in enumerate(access):

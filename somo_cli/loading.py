@@ -1,4 +1,4 @@
-"""Loads a file and the files that it names, checks it, and makes the scene to run."""
+"""Load a file and the files that it names, check it, and make the scene to run."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def load_text(
 
 
 def check(document: Document) -> tuple[Problem, ...]:
-    """Return every error and warning about a definition, an assembly, a scene or a trajectory."""
+    """Return all errors and warnings about a definition, an assembly, a scene or a trajectory."""
     if sorotraj_checks.is_trajectory(document):
         return sorotraj_checks.trajectory_file_problems(document)
     return (
@@ -73,7 +73,7 @@ def check(document: Document) -> tuple[Problem, ...]:
 
 
 def check_with_overlaps(document: Document) -> tuple[Problem, ...]:
-    """Return what `check` does and, for a scene without errors, the overlaps at its start.
+    """Return the problems that `check` finds and, without errors, the overlaps at the start.
 
     All are in reading order. The engine finds overlaps; without an engine none are reported.
     """
@@ -87,7 +87,7 @@ def check_with_overlaps(document: Document) -> tuple[Problem, ...]:
 
 
 def refuse_trajectory(document: Document) -> None:
-    """Raise InvalidFile for a trajectory where a definition or a scene is wanted."""
+    """Raise InvalidFile if the document is a trajectory, not a definition or a scene."""
     if sorotraj_checks.is_trajectory(document):
         place = document.span(("settings",), key=True)
         message = "this is a trajectory, not a manipulator definition or a scene"
@@ -96,7 +96,7 @@ def refuse_trajectory(document: Document) -> None:
 
 
 def refuse_scene(document: Document) -> None:
-    """Raise InvalidFile for a scene, or a trajectory, where a definition is wanted."""
+    """Raise InvalidFile if the document is a scene or a trajectory, not a definition."""
     refuse_trajectory(document)
     if scene_model.is_scene(document):
         place = document.span(("manipulators",), key=True)
@@ -106,7 +106,7 @@ def refuse_scene(document: Document) -> None:
 
 
 def refuse_multiple(document: Document, found: scene_model.Scene, what_is: str) -> None:
-    """Raise InvalidFile unless a scene has one manipulator; `what_is` ("a fit is") about one."""
+    """Raise InvalidFile unless a scene has one manipulator; `what_is` is such as "a fit is"."""
     refuse_without_manipulators(document, found, f"{what_is} about one")
     if len(found.manipulators) > 1:
         place = document.span(("manipulators", 1))
@@ -126,7 +126,7 @@ def refuse_without_manipulators(document: Document, found: scene_model.Scene, wh
 
 
 def refuse_assembly(document: Document, what_is: str, at: Pointer = ()) -> None:
-    """Raise InvalidFile for an assembly at a pointer; `what_is` ("a fit is") about one limb."""
+    """Raise InvalidFile if an assembly is at a pointer; `what_is` is such as "a fit is"."""
     if is_assembly(document.at(at)):
         place = document.span((*at, "limbs"), key=True)
         message = f"this is an assembly, and {what_is} about one manipulator"
@@ -135,7 +135,7 @@ def refuse_assembly(document: Document, what_is: str, at: Pointer = ()) -> None:
 
 
 def as_scene(document: Document) -> Document:
-    """Return a scene as it is, and a definition as the scene of that one manipulator."""
+    """Return a scene as it is, and a definition as the scene of that manipulator alone."""
     return (
         document
         if scene_model.is_scene(document)
@@ -224,7 +224,8 @@ def _with_chosen_step(found: Scene, document: Document) -> Scene:
 
 def _convex_pieces(text: str, source: str) -> str | None:
     # slow to import, and few scenes need it before they run
-    from somo_cli.scene.mesh import MeshError, triangles_as_obj
+    from somo_cli.scene.mesh import triangles_as_obj
+    from somo_cli.scene.mesh_parts import MeshError
     from somo_cli.simulation.engine.bullet.convex_decomposition import convex_pieces
 
     try:

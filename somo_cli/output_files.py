@@ -1,4 +1,4 @@
-"""Output files: written whole or not at all; rows of a run as they come."""
+"""Write output files: as a whole or not at all; rows of a run one after another."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ def refuse_unwritable(path: str) -> None:
 
 
 def is_direct(path: str) -> bool:
-    """Whether a path is a device, a pipe or a stream, so that no file can be made beside it."""
+    """Return whether a path is a device, a pipe or a stream, so that no file can be beside it."""
     # a file in place of /dev/stdout would not reach the shell that opened it
     if str(Path(path).absolute()).startswith(_STREAMS):
         return True

@@ -1,4 +1,4 @@
-"""Finds files of ROS packages and Gazebo models: package://NAME/path, model://NAME/path."""
+"""Find files of ROS packages and Gazebo models: package://NAME/path, model://NAME/path."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Packages = Mapping[str, str]
 
 
 class Access(NamedTuple):
-    """Which files may be read beside those in the folder of the file that names them."""
+    """The files that may be read besides those in the folder of the file that names them."""
 
     allow_outside: bool = False
     packages: Packages | None = None
@@ -24,7 +24,7 @@ _REFERENCE = re.compile(r"(?:package|model)://([^/]+)/(.+)")
 
 
 def read_packages(options: Sequence[str]) -> dict[str, str]:
-    """Return the folder of each name in NAME=FOLDER texts. Raises ValueError for other texts."""
+    """Return the folder of each name from texts NAME=FOLDER. Raises ValueError for other texts."""
     found: dict[str, str] = {}
     for option in options:
         name, _, folder = option.partition("=")
@@ -48,7 +48,7 @@ def open_reference(
     if parts:
         name, path = parts.groups()
         if name not in packages:
-            raise ValueError(f"its folder is not known; say --package {name}=FOLDER")
+            raise ValueError(f"its folder is not known: give --package {name}=FOLDER")
         return files.open_reference(str(Path(packages[name]) / "_"), path, **options)
     here = os.path.realpath(naming_source)
     for folder in packages.values():

@@ -1,4 +1,4 @@
-"""Problems of files and their positions, the errors that a user can put right, and their words."""
+"""Problems of files with their positions, and the errors that a user can correct."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Span:
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """One problem of a file: its position, what is wrong there, and what to do about it.
+    """One problem of a file: its position, a message what is wrong, and a hint what to do.
 
     Findings that scripts may want to recognise have a `code`. An info needs no change.
     """
@@ -49,17 +49,17 @@ class Problem:
 
 
 def has_errors(problems: Iterable[Problem]) -> bool:
-    """Whether one of the problems is an error, not a warning."""
+    """Return whether one of the problems is an error."""
     return any(problem.severity == "error" for problem in problems)
 
 
 def has_warnings(problems: Iterable[Problem]) -> bool:
-    """Whether one of the problems is a warning."""
+    """Return whether one of the problems is a warning."""
     return any(problem.severity == "warning" for problem in problems)
 
 
 def pointer_text(pointer: Pointer) -> str:
-    """Return a pointer as a person writes it, such as "'links[0].mass'"."""
+    """Return a pointer in the notation of --set, such as "'links[0].mass'"."""
     steps = (f"[{step}]" if isinstance(step, int) else f".{step}" for step in pointer)
     return "'" + "".join(steps).removeprefix(".") + "'" if pointer else "the file"
 
@@ -75,16 +75,16 @@ def shortened(text: str) -> str:
 
 
 def did_you_mean(name: object, known: Iterable[str], likeness: float = 0.6) -> str:
-    """Return a hint with the known name that is most like `name`; empty if none is like it.
+    """Return a hint with the known name that is most similar to `name`; empty if none is similar.
 
-    `likeness` is the least ratio of matching characters, from 0 to 1, as `difflib` has it.
+    `likeness` is the smallest accepted similarity, from 0 to 1, as `difflib` computes it.
     """
     close = closest_name(name, known, likeness)
     return f"did you mean '{close}'?" if close else ""
 
 
 def closest_name(name: object, known: Iterable[str], likeness: float = 0.6) -> str:
-    """Return the known name that is most like `name`; empty if none is, or `name` is no text."""
+    """Return the known name most similar to `name`; empty without one, or if `name` is no text."""
     close = get_close_matches(name, known, 1, likeness) if isinstance(name, str) else []
     return close[0] if close else ""
 
@@ -104,16 +104,16 @@ def in_reading_order(
 
 
 class SomoError(Exception):
-    """An error that the user can put right."""
+    """An error that the user can correct."""
 
 
 class InvalidFile(SomoError):
-    """All problems that one stage found; `texts` has the text of each source, to show the lines."""
+    """All problems of one stage; `texts` has the text of each source, to show its lines."""
 
     def __init__(self, problems: Iterable[Problem], texts: Mapping[str, str] | None = None) -> None:
         self.texts: Mapping[str, str] = dict(texts or {})
         self.problems = in_reading_order(problems, self.texts)
-        # pickle makes exceptions anew from their args
+        # pickle constructs exceptions from their args
         super().__init__(self.problems, self.texts)
 
     def __str__(self) -> str:
@@ -135,7 +135,7 @@ class SimulationDiverged(SomoError):
         self.step = step
         self.time = time
         self.name = name
-        """Of the joint, the manipulator or the object, as `kind` says."""
+        """The name of the joint, manipulator or object; `kind` says which of them it is."""
         self.reason = reason
         self.hint = hint
         self.kind = kind

@@ -325,7 +325,7 @@ def test_values_can_be_set(somo: Somo, here: Path) -> None:
             "--set 'actuator_definitions[0].n_segments':1:36: error: 0 must be at least 1\n"
             "    actuator_definitions[0].n_segments=0\n"
             "                                       ^\n"
-            "  hint: number of joints; n_segments + 1 links are made\n",
+            "  hint: number of joints [-]; the actuator has n_segments + 1 links\n",
         ),
         (
             "actuator_definitions[1].n_segments=3",

@@ -146,7 +146,7 @@ def test_an_offset_of_the_line_is_reported(somo: Somo, here: Path) -> None:
     text = "pressure_pa,force_n\n1e4,0\n2e4,0.1\n3e4,0.201\n4e4,0.3\n"
     (here / "p.csv").write_text(text, "utf-8")
     said = somo("calibrate", "torque", "finger.yaml", "--data", "p.csv").stderr
-    assert said.startswith("somo: warning: without pressure the line has -0.00")
+    assert said.startswith("somo: warning: at zero pressure the line has -0.00")
     assert (
         somo("calibrate", "torque", "finger.yaml", "--data", "p.csv", "--through-zero").stderr == ""
     )

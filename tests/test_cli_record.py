@@ -109,16 +109,16 @@ def test_the_ground_is_ambiguous_beside_an_object_of_its_name(
     assert somo("run", "push_scene.yaml", "--steps", "3", *named).returncode == 0
     ended = somo("run", "push_scene.yaml", "--steps", "3", *named, *option)
     assert (ended.returncode, ended.stdout) == (2, "")
-    assert "the scene calls something ground" in " ".join(ended.stderr.split())
+    assert "a manipulator or object is called ground" in " ".join(ended.stderr.split())
 
 
 @pytest.mark.moderate
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (("--set", "record.events=true", "-o", "-"), "no file to put them beside"),
+        (("--set", "record.events=true", "-o", "-"), "name a file for the events"),
         (("--events", "a.csv", "-o", "./a.csv"), "a.csv would be written twice"),
-        (("--events", "-", "-o", "-"), "- is where the rows go"),
+        (("--events", "-", "-o", "-"), "- is the output of the rows"),
         (("--events", "A.CSV", "-o", "a.csv"), "A.CSV would be written twice"),
         (("--events", "a.csv.partial", "-o", "a.csv"), "a.csv.partial would be written twice"),
         (("--events", "a.meta.json", "-o", "a.csv"), "a.meta.json would be written twice"),

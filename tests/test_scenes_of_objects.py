@@ -200,7 +200,7 @@ def test_an_automatic_step_is_refused_wherever_it_is_asked_for() -> None:
 
 def test_a_pattern_that_matches_nothing_names_a_column() -> None:
     scene, _ = loading.scene_of(loading.load_text(ON_GROUND, "a.yaml"))
-    with pytest.raises(ValueError, match=r"columns are called like 'cube\.pose\.x_m'"):
+    with pytest.raises(ValueError, match=r"names of columns look like 'cube\.pose\.x_m'"):
         select_by_patterns(scene, ["finger.*"])
 
 

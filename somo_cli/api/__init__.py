@@ -1,1 +1,1 @@
-"""The Python API: load, check, build, simulate; every name of it is also one of `somo_cli`."""
+"""The Python API: load, check, build, simulate; `somo_cli` offers all its names."""

@@ -24,9 +24,9 @@ def load(
 ) -> Document:
     """Load a definition, an assembly, a scene or a trajectory, with the files that it names.
 
-    `sets` overrides values as `--set` does, such as "integrator=euler". Files lie in the folder of
-    the one that names them, or below, unless `allow_outside`; names that begin with package:// or
-    model:// lie in the folders of `packages`.
+    `sets` overrides values as `--set` does, such as "integrator=euler". Files must be in the folder
+    of the file that names them, or below, unless `allow_outside`; `packages` has the folders of
+    names that begin with package:// or model://.
 
     Raises:
         InvalidFile: With every error of all files, each at its line and column.
@@ -40,10 +40,10 @@ def load(
 
 
 def document_of(source: Source) -> Document:
-    """Return a document as it is, or read the one that a path names.
+    """Return a document as it is, or read the one at a path, without checking it.
 
-    What it says is not checked yet. Raises InvalidFile if it cannot be read as YAML, or a file that
-    it names cannot be put in; OSError.
+    Raises InvalidFile if a text is not YAML or a file that it names cannot be included, and
+    OSError.
     """
     return source if isinstance(source, Document) else loading.load(fspath(source))
 
@@ -51,10 +51,10 @@ def document_of(source: Source) -> Document:
 def check(
     source: Source, allow_outside: bool = False, packages: Mapping[str, str] | None = None
 ) -> tuple[Problem, ...]:
-    """Return every error and warning of a file, in reading order; none raises InvalidFile.
+    """Return all errors and warnings about a file, in reading order, without raising InvalidFile.
 
-    Where the engine is installed, parts of a scene that overlap at the start are among them. Raises
-    OSError for a file that cannot be read.
+    If the engine is installed, they include bodies of a scene that overlap at the start. Raises
+    OSError if the file cannot be read.
     """
     try:
         document = (
@@ -68,17 +68,20 @@ def check(
 
 
 def compiled(source: Source) -> Compiled:
-    """Return what a definition or an assembly compiles to; raises InvalidFile and OSError."""
+    """Return the compiled definition of a manipulator or an assembly.
+
+    Raises InvalidFile and OSError.
+    """
     document = document_of(source)
     loading.refuse_scene(document)
     return compile_definition(document)
 
 
 def build(source: Source, scale: float | None = None, tip_frame: str | None = None) -> str:
-    """Return the URDF of a definition or an assembly.
+    """Return the URDF text of a definition or an assembly.
 
-    Lengths are in the unit of the world scale of the file, or times `scale` if it is given. With
-    `tip_frame` a massless link of that name is added at each tip.
+    Lengths are in engine units: metres times the length factor of the file's world_scale, or times
+    `scale` if it is given. With `tip_frame` a massless link of that name is added at each tip.
 
     Raises:
         InvalidFile: With every error, each at its line and column.

@@ -1,4 +1,4 @@
-"""What `simulate` returns: columns by name, metadata, and the CSV of `somo run`."""
+"""The result of `simulate`: columns by name, metadata, and the CSV of `somo run`."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from somo_cli.simulation.recording.csv_writer import CsvWriter
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """The recorded columns of a run, in SI units, as their names say.
+    """The recorded columns of a run, in SI units; each name ends with its unit.
 
     `values` has shape (rows, columns); column 0 is the time. `metadata` is what `somo run` writes
     beside its CSV.
@@ -31,7 +31,7 @@ class Result:
         return self.values[:, 0]
 
     def __getitem__(self, name: str) -> Array:
-        """Return one column, shape (rows,); raises KeyError with the closest names."""
+        """Return one column, shape (rows,). Raises KeyError, with the closest names."""
         if name not in self.names:
             from difflib import get_close_matches
 
@@ -45,9 +45,9 @@ class Result:
         return len(self.values)
 
     def to_csv(self, path: str | PathLike[str] | None = None) -> str:
-        """Return the CSV that `somo run` writes, byte for byte; with a path, write it there too.
+        """Return the CSV text that `somo run` writes, byte for byte; write it to `path` if given.
 
-        The file has its old contents or all of the new. Raises OSError.
+        The file is replaced as a whole or not at all. Raises OSError.
         """
         stream = io.StringIO()
         CsvWriter(stream, self.names).write(self.values)
@@ -57,9 +57,9 @@ class Result:
         return text
 
     def to_pandas(self) -> Any:
-        """Return a pandas DataFrame with a column for each name; raises ImportError without pandas.
+        """Return a pandas DataFrame with a column for each name.
 
-        Pandas is not installed with somo.
+        Raises ImportError without pandas, which is not installed with somo.
         """
         from importlib import import_module
 

@@ -1,4 +1,4 @@
-"""Runs from start to end: a document to a plan, and a plan to rows; `somo run` is built on it."""
+"""Run a simulation from start to end: a document to a plan, a plan to rows, as `somo run` does."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from somo_cli.simulation.run import RunSummary, run
 
 @dataclass(frozen=True, slots=True)
 class PreparedRun:
-    """A scene that can be run: what it says, what was decided for it, and its columns."""
+    """A scene that can be run: its document, its plan, and the names of its columns."""
 
     document: Document
     scene: Scene
@@ -43,7 +43,7 @@ class PreparedRun:
     ) -> dict[str, Any]:
         """Return versions, hashes of the inputs, settings and run time, as plain values.
 
-        `overrides` are the assignments that the document was loaded with, if they are at hand.
+        `overrides` are the assignments with which the document was loaded, if they are known.
         """
         texts = self.document.texts
         known = [text for source, text in texts.items() if source.startswith("--set")]
@@ -61,10 +61,10 @@ class PreparedRun:
 def prepare(
     document: Document, scene: Scene, warnings: Sequence[Problem], keeps_unused: bool = False
 ) -> PreparedRun:
-    """Return what it takes to run the scene of a document.
+    """Return the scene of a document, ready to run.
 
-    With `keeps_unused` the engine loads and solves what no result needs. Raises InvalidFile if
-    parts of the scene overlap at the start.
+    With `keeps_unused` the engine also loads and solves what no result needs. Raises InvalidFile if
+    bodies of the scene overlap at the start.
     """
     loading.refuse_overlaps(document, scene)
     plan = make_plan(scene, keeps_unused)
@@ -73,9 +73,9 @@ def prepare(
 
 
 class OpenRun:
-    """A plan in an engine of its own, opened by `with`, that can be run once.
+    """A plan in its own engine, opened by `with`, that can be run once.
 
-    Raises EngineMissing and EngineRefused when it is opened.
+    Opening raises EngineMissing and EngineRefused.
     """
 
     def __init__(self, plan: Plan) -> None:
@@ -102,7 +102,7 @@ class OpenRun:
         on_event: Callable[[ContactEvent], None] | None = None,
         is_live: bool = False,
     ) -> RunSummary:
-        """Run the plan and pass its rows on, as `simulation.run.run` does."""
+        """Run the plan and pass on its rows, as `simulation.run.run` does."""
         clock = time.perf_counter
         return run(self._plan, self._world, write, steps, clock, advance, on_event, is_live)
 
@@ -116,11 +116,11 @@ def simulate(
     record_only: Sequence[str] = (),
     tolerance: float | Mapping[str, float] | None = None,
 ) -> Result:
-    """Simulate a scene, or a definition by itself, and return what it records.
+    """Simulate a scene, or a definition alone, and return its recorded columns.
 
-    The values are those that `somo run` writes, to the last bit. `every` (steps between two rows)
-    and `time_step` ([s], or "auto") take the place of what the scene says; `record_only` has
-    patterns of column names, such as "finger.tip.*".
+    The values are exactly those that `somo run` writes. `every` (time steps between two rows) and
+    `time_step` ([s], or "auto") replace the values of the scene; `record_only` has patterns of
+    column names, such as "finger.tip.*".
 
     With a `tolerance` the step is halved, up to six times, until the estimated error of every
     column is below this share of its range, such as 1e-2, or below the values of a mapping such as
@@ -129,13 +129,13 @@ def simulate(
 
     Raises:
         InvalidFile: The scene has errors, each at its line and column.
-        ValueError: A pattern matches no column, `steps` is negative, or a tolerance is none.
-        SimulationDiverged: The numbers of the run have lost their meaning.
-        EngineMissing, EngineRefused: There is no engine, or it does not take a body.
+        ValueError: A pattern matches no column, `steps` is negative, or a tolerance is wrong.
+        SimulationDiverged: The motion diverged, so that the results are not meaningful.
+        EngineMissing, EngineRefused: There is no engine, or it cannot load a body.
         OSError: A file cannot be read.
     """
     if steps < 0:
-        raise ValueError(f"steps is {steps}, and must not be negative")
+        raise ValueError(f"steps is {steps}, but must not be negative")
     document = document_of(source)
     scene, warnings = loading.scene_of(document, every, time_step)
     if record_only:
@@ -146,7 +146,7 @@ def simulate(
 
         return refined(prepared, steps, tolerance)
     blocks: list[Array] = [np.empty((0, len(prepared.names)))]
-    # rows are views of a table that is made anew for each batch, so they can be kept
+    # rows are views of a table that is new for each batch, so they can be kept
     with OpenRun(prepared.plan) as opened:
         summary = opened.run(steps, blocks.append)
     return Result(prepared.names, np.concatenate(blocks), prepared.metadata(summary))

@@ -31,18 +31,19 @@ from somo_cli.simulation.session import Session
 
 
 class Simulation:
-    """A scene in an engine of its own, which goes on when it is told to.
+    """A scene in its own engine, which `step` advances.
 
-    All values are SI and of the present instant; positions and forces are in the world frame. What
-    the scene records and its stop conditions are left aside, divergence is monitored as in a run.
-    Close it, or use it in a `with` statement. Several simulations do not disturb each other.
+    All values are in SI units and at the present time; positions and forces are in the world frame.
+    Divergence is monitored as in a run. The recording and the stop conditions of the scene are
+    ignored. Close the simulation, or use it in a `with` statement. Several simulations do not
+    disturb each other.
 
-    `source` is a scene or a definition, loaded or by its path, and `time_step` ([s], or "auto")
-    takes the place of what the scene says.
+    `source` is a loaded scene or definition, or the path of one; `time_step` ([s], or "auto")
+    replaces that of the scene.
 
     Raises:
-        InvalidFile: The scene has errors, or parts of it overlap at the start.
-        EngineMissing, EngineRefused: There is no engine, or it does not take a body.
+        InvalidFile: The scene has errors, or bodies of it overlap at the start.
+        EngineMissing, EngineRefused: There is no engine, or it cannot load a body.
         OSError: A file cannot be read.
     """
 
@@ -69,14 +70,14 @@ class Simulation:
         self.close()
 
     def close(self) -> None:
-        """Give the engine back; the simulation cannot be used any more."""
+        """Close the engine; the simulation cannot be used any more."""
         world, self._world = self._world, None
         if world is not None:
             world.close()
 
     @property
     def time(self) -> float:
-        """The time of the present instant [s]."""
+        """The present time [s]; 0 at the start."""
         return self._session.time
 
     @property
@@ -95,12 +96,12 @@ class Simulation:
         return self._plan.recorded.objects
 
     def step(self, steps: int = 1) -> None:
-        """Advance by time steps; the trajectory does not depend on how many are taken at once.
+        """Advance by `steps` time steps; the trajectory does not depend on how calls divide them.
 
-        Raises SimulationDiverged, found at most eight steps late.
+        Raises SimulationDiverged, at most eight steps after the divergence.
         """
         if steps < 0:
-            raise ValueError(f"steps is {steps}, and must not be negative")
+            raise ValueError(f"steps is {steps}, but must not be negative")
         session = self._require_open()
         last = session.step + steps
         with np.errstate(over="ignore", invalid="ignore"):  # divergence is monitored
@@ -111,14 +112,14 @@ class Simulation:
                 session.advance(session.schedule.pause_after(session.step, last))
 
     def reset(self) -> None:
-        """Go back to the start, without loading the scene again; torques that were set are gone.
+        """Go back to the start without loading the scene again, and discard torques that were set.
 
-        The trajectory from there is the same to the last bit.
+        The trajectory from there is exactly the same again.
         """
         self._require_open()
         assert self._world is not None
         if self._plan.can_touch:
-            # contacts of the past are in the engine's caches, which no state that it saves holds
+            # the engine caches past contacts, and the state that it saves does not include them
             self._world.close()
             self._open()
         else:
@@ -132,8 +133,8 @@ class Simulation:
     def rates(self, manipulator: str) -> Array:
         """Return the joint rates of a manipulator, base to tip [rad/s], shape (n,).
 
-        With the implicit integrator, which has rates half a step earlier, they are carried on to
-        the instant with the acceleration of the last step.
+        The implicit integrator has rates half a time step earlier; they are extrapolated to the
+        present time with the acceleration of the last step.
         """
         stepper = self._stepper(manipulator)
         if self._session.step == 0:
@@ -141,7 +142,7 @@ class Simulation:
         return stepper.rates_of_instant()
 
     def tip_position(self, manipulator: str, limb: int = 0) -> Array:
-        """Return where the tip of a manipulator is [m], shape (3,); of an assembly, of one limb."""
+        """Return the tip position of a manipulator, or of a limb of an assembly [m], shape (3,)."""
         stepper = self._stepper(manipulator)
         number, chain = self._numbers[manipulator], stepper.body.chain
         frames = self._poses[number].frames(
@@ -160,15 +161,15 @@ class Simulation:
         return self._si_pose(self._require_open().world.objects[self._object(name)].pose())
 
     def object_velocity(self, name: str) -> tuple[Array, Array]:
-        """Return the velocity of an object's centre [m/s] and its spin [rad/s], shapes (3,).
+        """Return velocity of the centre of mass [m/s] and angular velocity [rad/s], shapes (3,).
 
-        With the implicit integrator they are those of half a step before the instant.
+        With the implicit integrator they are those of half a time step earlier.
         """
         linear, spin = self._require_open().world.objects[self._object(name)].velocity()
         return np.array(linear) / self._units.length, np.array(spin)
 
     def contact_force(self, name: str) -> Array:
-        """Return the force on a manipulator or object from contact in the last step [N], (3,)."""
+        """Return the contact force on a manipulator or object in the last step [N], shape (3,)."""
         session = self._require_open()
         if name not in self._numbers:
             raise KeyError(self._unknown(name, self._numbers))
@@ -182,15 +183,15 @@ class Simulation:
         return self._require_open().findings()
 
     def set_torque(self, manipulator: str, *, actuator: int, axis: int, torque: float) -> None:
-        """Have a torque [N·m] act on each joint of an actuator about an axis, from now on.
+        """Apply a torque [N·m] to each joint of an actuator and axis, from now on.
 
-        It takes the place of what the scene says of that axis, until it is set again or `reset`.
-        Raises KeyError for an unknown manipulator, ValueError for an axis that no joint has, or a
-        torque that is no number.
+        It replaces the actuation of the scene on that axis until the next call or `reset`. Raises
+        KeyError for an unknown manipulator, and ValueError for an axis without joints or a torque
+        that is not finite.
         """
         stepper = self._stepper(manipulator)
         if not math.isfinite(torque):
-            raise ValueError(f"the torque is {torque}, and must be a finite number")
+            raise ValueError(f"the torque is {torque}, but must be a finite number")
         channels = [(joint.actuator, joint.channel) for joint in stepper.body.chain.joints]
         joints = tuple(index for index, one in enumerate(channels) if one == (actuator, axis))
         if not joints:
@@ -234,11 +235,12 @@ class Simulation:
 
     @staticmethod
     def _unknown(name: str, known: Mapping[str, int]) -> str:
-        return f"nothing is called '{name}'; there is {', '.join(known) or 'nothing'}"
+        names = f"the names are {', '.join(known)}" if known else "there are no names"
+        return f"the scene has no '{name}'; {names}"
 
 
 def _unrecorded(scene: Scene) -> Scene:
-    """Return the scene recording nothing: a simulation is asked for its state instead."""
+    """Return the scene without recording and stop conditions: the user reads the state instead."""
     return dataclasses.replace(
         scene,
         columns=(),

@@ -1,4 +1,4 @@
-"""The commands: each reads files, calls the rooms below, and writes the result."""
+"""The commands: each reads files, calls the Python API, and writes the result."""
 
 import os
 

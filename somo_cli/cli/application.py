@@ -1,4 +1,4 @@
-"""The application, options that commands share, and the message and exit code of each error."""
+"""The application, the options that commands share, and message and exit code of each error."""
 
 import functools
 import os
@@ -128,7 +128,7 @@ def _common(
 
 
 def access_of(allow_outside: bool, package: list[str] | None) -> "Access":
-    """Return the files that may be read; exit with a usage error for a malformed --package."""
+    """Return which files may be read; exit with a usage error for a malformed --package."""
     from somo_cli import packages
 
     try:
@@ -144,6 +144,6 @@ def require_few_steps(steps: float, option: str) -> None:
 
 
 def require(is_right: bool, option: str, message: str) -> None:
-    """Exit with a usage error for an option unless `is_right`."""
+    """Exit with a usage error about an option unless `is_right`."""
     if not is_right:
         raise typer.BadParameter(message, param_hint=f"'{option}'")

@@ -1,4 +1,4 @@
-"""somo build: a definition to a scaled URDF."""
+"""somo build: compile a definition to a scaled URDF."""
 
 from pathlib import Path
 from typing import Annotated

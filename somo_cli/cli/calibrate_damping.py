@@ -1,4 +1,4 @@
-"""somo calibrate damping: from a ring-down, or a damping ratio, to the damping of joints."""
+"""somo calibrate damping: find joint damping from a ring-down or a damping ratio."""
 
 import dataclasses
 import json
@@ -84,9 +84,9 @@ def damping(
 ) -> None:
     """Find the joint damping that gives the lowest mode of an axis its measured damping ratio.
 
-    The damping is proportional to the stiffness in all joints of the axis. A ring-down is fitted by
-    one decaying swing. If its frequency differs from that of the model, a warning says so: mass or
-    stiffness are wrong.
+    The damping is proportional to the stiffness in all joints of the axis. One decaying oscillation
+    is fitted to a ring-down. A warning appears if its frequency differs from that of the model:
+    mass or stiffness are then wrong.
     """
     from somo_cli.calibration import damping_report
     from somo_cli.calibration.axis_stiffness import axis_stiffness

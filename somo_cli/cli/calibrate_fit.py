@@ -1,4 +1,4 @@
-"""somo calibrate fit: stiffness, damping and actuation gain from a recorded motion."""
+"""somo calibrate fit: find stiffness, damping and actuation gain from a recorded motion."""
 
 import json
 from collections.abc import Sequence

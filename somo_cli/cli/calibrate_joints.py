@@ -1,4 +1,4 @@
-"""somo calibrate: the joints to calibrate, of a definition or given by options."""
+"""somo calibrate: choose the joints to calibrate, of a definition or given by options."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 class JointsToCalibrate:
     """The joints to calibrate: of a definition, or given by options.
 
-    `made` returns the axis with another number and placement of joints.
+    `made` returns the moment arms of the axis with another number and placement of joints.
     """
 
     moment_arms: "MomentArms"

@@ -1,4 +1,4 @@
-"""somo calibrate: write a result to a copy of the definition, or to the definition itself."""
+"""somo calibrate: write a result to a copy of the definition or to the definition itself."""
 
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""somo calibrate stiffness: from the stiffness of a tip or a beam to that of joints."""
+"""somo calibrate stiffness: find joint stiffness from the stiffness of a tip or a beam."""
 
 import json
 import math
@@ -160,12 +160,12 @@ def _wanted(
     poisson: float,
 ) -> float:
     """Return the tip stiffness that the options require, or else that of the definition."""
-    ways = {"--tip-stiffness": tip_stiffness, "--rigidity": rigidity, "--modulus": modulus}
-    chosen = [name for name, value in ways.items() if value is not None]
+    options = {"--tip-stiffness": tip_stiffness, "--rigidity": rigidity, "--modulus": modulus}
+    chosen = [name for name, value in options.items() if value is not None]
     names = "--tip-stiffness, --rigidity or --modulus with --section"
     is_asked = len(chosen) == 1 or not (chosen or own is None)
     require(is_asked, chosen[-1] if chosen else "--tip-stiffness", f"give one of {names}")
-    for name, value in ways.items():
+    for name, value in options.items():
         is_right = value is None or 0 < value < math.inf
         require(is_right, name, f"{value} is not greater than 0, and finite")
     require((section is None) == (modulus is None), "--section", "it goes with --modulus")

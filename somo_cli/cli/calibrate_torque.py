@@ -1,4 +1,4 @@
-"""somo calibrate torque: from blocked forces to the torque in the joints, and per pressure."""
+"""somo calibrate torque: find joint torque, and torque per pressure, from blocked forces."""
 
 import json
 import math
@@ -125,7 +125,7 @@ def torque(
             typer.echo(line)
     if through is not None and through.has_offset:
         terminal.print_message(
-            f"somo: warning: without pressure the line has {through.offset:.3g} N·m, more than the "
+            f"somo: warning: at zero pressure the line has {through.offset:.3g} N·m, more than the "
             "scatter explains; torque_per_pressure does not include it"
         )
         terminal.print_message(

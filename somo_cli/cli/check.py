@@ -1,4 +1,4 @@
-"""somo check: the problems of files, the numerics of a scene, the plan of a run."""
+"""somo check: report the problems of files, the numerics of a scene, the plan of a run."""
 
 import json
 from collections.abc import Iterable, Mapping, Sequence

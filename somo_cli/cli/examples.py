@@ -1,4 +1,4 @@
-"""somo examples: copies of the shipped definitions."""
+"""somo examples: copy the shipped definitions."""
 
 from typing import Annotated
 

@@ -1,4 +1,4 @@
-"""The camera and the size of a picture, from options."""
+"""Read the camera and the size of a picture from options."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The times of the pictures of somo render, from its options."""
+"""Compute the times of the pictures of somo render from its options."""
 
 from __future__ import annotations
 

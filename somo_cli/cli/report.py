@@ -135,7 +135,7 @@ def report(
 
 @contextmanager
 def _reference_of(document: "Document") -> Iterator[None]:
-    """Report a closed form that does not describe the scene, at the line that names it."""
+    """Return the scene's closed form; report one that does not describe the scene, at its line."""
     from somo_cli.analysis.reference_scene import ReferenceMismatch
 
     try:

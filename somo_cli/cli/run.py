@@ -1,4 +1,4 @@
-"""somo run: a scene to a trajectory in CSV."""
+"""somo run: simulate a scene and write its trajectory as CSV."""
 
 import time
 from collections.abc import Sequence
@@ -95,7 +95,7 @@ def run(
         typer.Option(
             "--record",
             metavar="PATTERN",
-            help="Record the columns whose name matches, such as 'finger.tip.*', and no others, "
+            help="Record only the columns whose name matches, such as 'finger.tip.*', "
             "whatever the scene records. Repeatable.",
         ),
     ] = None,
@@ -112,20 +112,20 @@ def run(
         typer.Option(
             "--events",
             metavar="FILE",
-            help="Where to write beginnings and ends of contacts as CSV; - is standard output.",
+            help="Where to write contact events as CSV; - is standard output.",
         ),
     ] = None,
     explains: Annotated[
         bool,
         typer.Option(
-            "--explain", help="Say before the run what it leaves out, why, and what that saves."
+            "--explain", help="Print before the run what it skips, why, and what that saves."
         ),
     ] = False,
     keeps_unused: Annotated[
         bool,
         typer.Option(
             "--keep-everything",
-            help="Load shapes, solve rows and read state that no result needs, to check that.",
+            help="Load shapes, solve constraints and read state that no result needs, as a check.",
         ),
     ] = False,
     sets: SetOption = None,
@@ -133,9 +133,9 @@ def run(
     package: PackageOption = None,
     quiet: QuietOption = False,
 ) -> None:
-    """Simulate a scene and stream its trajectory to CSV.
+    """Simulate a scene and write its trajectory as CSV.
 
-    Rows so far stay in FILE.partial when the run does not reach its end.
+    If the run does not reach its end, FILE.partial has the rows so far.
     """
     from somo_cli import loading
 
@@ -236,7 +236,7 @@ def _simulate(
 def _recorded(
     prepared: "PreparedRun", steps: int, targets: Targets, spooled: "SpooledRun | None"
 ) -> "tuple[RunSummary, int | None]":
-    """Simulate into the files; return a summary and, if events are recorded, their number."""
+    """Simulate and write the files; return a summary and, if events are recorded, their number."""
     from somo_cli.api import runs
     from somo_cli.simulation.engine.bullet.c_stdio import stdout_to_stderr
     from somo_cli.simulation.recording.contact_event_writer import ContactEventWriter
@@ -245,7 +245,7 @@ def _recorded(
     output, of_events = targets
     is_live = output == "-"
     try:
-        # the outputs come first: from then on standard output is taken from the engine
+        # the outputs are opened first: then what the engine prints cannot reach standard output
         with (
             output_files.open_partial(output) as stream,
             nullcontext()

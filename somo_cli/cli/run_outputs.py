@@ -1,4 +1,4 @@
-"""What a run writes and where: the columns that are picked, and the files of rows and events."""
+"""Choose the columns that a run records, and the files of its rows and contact events."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from somo_cli.scene.model import Scene
 
 Targets: TypeAlias = tuple[str, str | None]
-"""Where rows go, and where events go if anywhere."""
+"""The path of the rows, and of the contact events if they are recorded."""
 
 
 def with_columns(scene: Scene, patterns: Sequence[str]) -> Scene:
-    """Return the scene with columns picked from all there are; ends with a usage error."""
+    """Return the scene with the columns that --record selects; exit with a usage error if wrong."""
     from somo_cli.scene.checks.recording import select_by_patterns
 
     try:
@@ -31,16 +31,16 @@ def with_columns(scene: Scene, patterns: Sequence[str]) -> Scene:
 
 
 def target_of_events(scene: Scene, output: str, events: str | None) -> str | None:
-    """Return where events go: beside the output unless told; nowhere if nobody asks for them."""
+    """Return the path of contact events: the option, else beside the output, None if unwanted."""
     if events is None and scene.has_contact_events:
-        message = "the scene records events, and there is no file to put them beside: name one"
+        message = "the scene records events, but the rows go to no file: name a file for the events"
         require(output != "-" and not output_files.is_direct(output), "--events", message)
         return beside(output, "events.csv")
     if events is not None:
         from somo_cli.scene.checks.recording import AMBIGUOUS_GROUND, is_ground_name_ambiguous
 
         require(not is_ground_name_ambiguous(scene), "--events", AMBIGUOUS_GROUND)
-        require(not events == output == "-", "--events", "- is where the rows go")
+        require(not events == output == "-", "--events", "- is the output of the rows")
     return events
 
 

@@ -1,4 +1,4 @@
-"""The summary and the warnings at the end of `somo run`."""
+"""Format the summary and the warnings at the end of `somo run`."""
 
 from typing import TYPE_CHECKING
 

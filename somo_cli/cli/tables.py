@@ -1,4 +1,4 @@
-"""CSV files of numbers that commands read: recorded runs and measurements."""
+"""Read CSV files of numbers: recorded runs and measurements."""
 
 from typing import TYPE_CHECKING
 
@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from somo_cli.document.table import Table
 
 MAX_TABLE_BYTES = 500_000_000
-"""The largest CSV that is read [bytes]."""
+"""The largest CSV that commands read [bytes]."""
 
 
 def read_table_file(path: str) -> "Table":

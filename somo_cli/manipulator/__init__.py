@@ -1,1 +1,1 @@
-"""Definitions to chains of links and joints, and to URDF: pure functions from values to values."""
+"""Compile definitions to chains of links and joints, and to URDF; all functions are pure."""

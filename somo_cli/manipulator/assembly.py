@@ -1,4 +1,4 @@
-"""Assemblies, several manipulators (the limbs) on one body: which files are one, and reading it."""
+"""Recognise and read assemblies: several manipulators, the limbs, on one body."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ _OTHERS_KEYS = frozenset({"manipulators", "manipulator_name", "actuator_definiti
 
 
 def is_assembly(data: object) -> bool:
-    """Whether the keys are those of an assembly, not of a manipulator definition or a scene."""
+    """Return whether the keys are those of an assembly, not of a manipulator or a scene."""
     keys = set(data) if isinstance(data, dict) else set()
     return not keys.isdisjoint(_OWN_KEYS) and keys.isdisjoint(_OTHERS_KEYS)
 
 
 def read(document: Document, at: Pointer = ()) -> Definition:
-    """Return the definition at a pointer of a document without errors; an assembly is one, too."""
+    """Return the definition of a manipulator or an assembly at a pointer without errors."""
     data: Any = document.at(at)
     if not is_assembly(data):
         return manipulator_read.read(document, at)
@@ -50,7 +50,7 @@ def read(document: Document, at: Pointer = ()) -> Definition:
 
 
 def world_scale(document: Document, at: Pointer = ()) -> WorldScale:
-    """Return the world scale at a pointer, None without one; of an assembly, else of its limbs."""
+    """Return the world scale at a pointer, else that of an assembly's limbs; None without one."""
     data: Any = document.at(at)
     own = manipulator_read.world_scale(document, at)
     if own is not None or not is_assembly(data):

@@ -1,4 +1,4 @@
-"""Definition to Chain, also of an assembly: the chains of its limbs on one root, the body.
+"""Build the chain of a definition; that of an assembly has its limbs on one root, the body.
 
 The part of a limb before its first joint is lumped into the body.
 """
@@ -15,7 +15,7 @@ from somo_cli.manipulator.definition import Definition, LimbDefinition
 
 
 def build(definition: Definition) -> Chain:
-    """Return the chain of a definition, in its unit; never fails for one without errors."""
+    """Return the chain of a definition without errors, in the unit of the definition."""
     if not definition.limbs:
         return build_chain(definition)
     body = build_chain(replace(definition, actuators=(), limbs=())).links[0]
@@ -45,7 +45,7 @@ def build(definition: Definition) -> Chain:
 
 
 def _chains_alone(definition: Definition) -> Iterator[Chain]:
-    """Yield the chain of each limb as a manipulator by itself."""
+    """Yield the chain of each limb as a separate manipulator."""
     first = 0
     for limb in definition.limbs:
         actuators = definition.actuators[first : first + limb.n_actuators]
@@ -64,7 +64,7 @@ def _with_roots(body: Link, limbs: tuple[tuple[LimbDefinition, Chain], ...]) -> 
 
 
 def _moved(shape: Shape, limb: LimbDefinition) -> Shape:
-    """Return a shape that is given in the base frame of a limb in the frame of the body."""
+    """Return a shape in the frame of the body, from its pose in the base frame of a limb."""
     rotation = geometry.rotation_from_rpy(limb.rpy)
     turned = geometry.multiply(rotation, geometry.rotation_from_rpy(shape.rpy))
     return replace(

@@ -42,7 +42,7 @@ def assembly_problems(document: Document, at: Pointer, is_sound: IsSound) -> Ite
 def wrong_file_kinds(document: Document, at: Pointer) -> Mapping[Pointer, Problem]:
     """Return, by pointer, one error for each limb that is a file of another kind.
 
-    It replaces the errors of the schema below that pointer.
+    It replaces the schema's errors below that pointer.
     """
     data = document.at(at)
     found: dict[Pointer, Problem] = {}
@@ -51,12 +51,12 @@ def wrong_file_kinds(document: Document, at: Pointer) -> Mapping[Pointer, Proble
     for index, limb in _limbs(data):
         definition: Any = limb.get("definition")
         place: Pointer = (*at, "limbs", index, "definition")
-        hint = "name a manipulator definition, which has actuator_definitions"
+        hint = "name a manipulator definition: it has actuator_definitions"
         if assembly.is_assembly(definition):
             key = next(
                 key for key in ("limbs", "assembly_name", "body_definition") if key in definition
             )
-            message = "this is an assembly, and a limb of one is a manipulator"
+            message = "this is an assembly, but a limb must be a manipulator"
             found[place] = Problem(document.span((*place, key), key=True), message, hint)
         elif isinstance(definition, Mapping) and "manipulators" in definition:
             message = "this is a scene, not a manipulator definition"
@@ -100,7 +100,7 @@ def _name_problems(
             continue
         if limb["name"] in seen:
             message = f"two limbs are called '{limb['name']}'"
-            hint = "give each limb a name of its own"
+            hint = "give each limb a different name"
             yield Problem(document.span(place), message, hint)
         seen.add(limb["name"])
 
@@ -108,7 +108,10 @@ def _name_problems(
 def _scale_problems(
     document: Document, at: Pointer, data: Mapping[str, Any], is_sound: IsSound
 ) -> Iterator[Problem]:
-    """Yield an error for each limb with another world scale than the first, if it matters."""
+    """Yield an error for each limb with another world scale than the first.
+
+    There is none if the assembly has its own world scale.
+    """
     if "world_scale" in data:
         return
     first = None
@@ -123,8 +126,8 @@ def _scale_problems(
         if scale != first:
             yield Problem(
                 document.span(place, key=True),
-                f"this limb has world scale {scale.described()}, the first one {first.described()}",
-                "give the assembly a world_scale of its own",
+                f"this limb has world_scale {scale.described()}, the first one {first.described()}",
+                "set world_scale in the assembly: it applies to all limbs",
             )
 
 

@@ -24,7 +24,7 @@ from somo_cli.manipulator.solids import AnySolid, Inertial
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """A solid with its pose in the frame of its link, and how it is drawn."""
+    """A solid with its pose in the link frame, its material and the scale of its drawing."""
 
     solid: AnySolid
     position: Position
@@ -35,7 +35,7 @@ class Shape:
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """A rigid body. Its frame is on the joint that moves it; the frame of the root is the base."""
+    """A rigid body. Its frame is at the joint that moves it; the root's frame is the base frame."""
 
     name: str
     inertial: Inertial
@@ -44,11 +44,11 @@ class Link:
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """A hinge: joint i turns link i + 1, its child, relative to link `parent`.
+    """A revolute joint: joint i rotates link i + 1, its child, relative to link `parent`.
 
     `origin` and `rpy` are the pose of the child's frame in the parent's at an angle of zero; `axis`
     is a unit vector in the child's frame. A joint without limits has lower > upper. `actuator` and
-    `channel` (the axis of the actuator) say what drives it. `span` is the length of backbone that
+    `channel` are the actuator that drives it and its axis. `span` is the length of backbone that
     the joint represents: angle / span is its curvature.
     """
 
@@ -79,9 +79,9 @@ class Joint:
 class Limb:
     """A backbone of a chain: joints [first, last) in series, the first of them on the root.
 
-    `tip` is the point of its last link where it ends. Its actuators are numbered from
+    `tip` is the end of the backbone, in the frame of the last link. Its actuators are numbered from
     `first_actuator` on. Names of its links and joints start with its name and an underscore; the
-    backbone of a manipulator that is no assembly has no name.
+    only backbone of a manipulator that is not an assembly has no name.
     """
 
     name: str
@@ -97,16 +97,17 @@ class Limb:
 
     @property
     def last_link(self) -> int:
-        """The link that has the tip."""
-        return self.last  # joint i moves link i + 1; the root, where there are no joints
+        """The number of the link that has the tip."""
+        return self.last  # joint i moves link i + 1; without joints it is the root
 
 
 @dataclass(frozen=True, slots=True)
 class Chain:
     """Links and joints, parents first: joint i moves link i + 1.
 
-    `tip` is the point of the last link where the backbone ends: the distal end of the last segment,
-    on the centreline. An assembly has `limbs`, limb after limb, and the length of the longest one.
+    `tip` is the end of the backbone in the frame of the last link: the distal end of the last
+    segment, on the centreline. An assembly has `limbs`, limb after limb, and the length of the
+    longest one.
     """
 
     name: str
@@ -118,7 +119,7 @@ class Chain:
 
     @property
     def backbones(self) -> tuple[Limb, ...]:
-        """The limbs; of a manipulator that is no assembly, its one backbone."""
+        """The limbs of an assembly, or the only backbone of another manipulator."""
         return self.limbs or (Limb("", 0, len(self.joints), 0, self.tip),)
 
     @property

@@ -1,6 +1,6 @@
-"""Definition of one manipulator to its chain.
+"""Build the chain of one manipulator from its definition.
 
-Parts that a fixed joint would join are lumped into one link here: PyBullet 3.2.7 loses their
+Parts that a fixed joint would connect are lumped into one link here: PyBullet 3.2.7 loses their
 centres of mass when it merges links itself (URDF_MERGE_FIXED_LINKS).
 """
 
@@ -45,14 +45,14 @@ class _LinkBuilder:
 
 
 def build_chain(definition: Definition) -> Chain:
-    """Return the chain of a definition without limbs; never fails for one without errors."""
+    """Return the chain of a definition without limbs and without errors."""
     assert not definition.limbs
     bodies = [_LinkBuilder("base", geometry.ZERO)]
     joints: list[Joint] = []
     end = 0.0
     if definition.base is not None:
         end = _add_rounded_end(bodies[0], definition.base, end, at_base=True)
-        if not definition.actuators:  # the body of an assembly, both of whose ends are free
+        if not definition.actuators:  # the body of an assembly: both ends are free
             _add_end_cap(bodies[0], definition.base, bodies[0].shapes[0].position, at_base=False)
     for index, actuator in enumerate(definition.actuators):
         end = _add_actuator(bodies, joints, actuator, index, end)
@@ -139,10 +139,10 @@ def _hinge(
 def _gap_filler(
     link: LinkDefinition, joint: JointDefinition, hinge: Vector, origin: Vector
 ) -> list[Shape]:
-    """Return the shape that fills the gap between two links when the hinge bends; none for others.
+    """Return the shape that fills the gap between two links when their joint bends, or None.
 
-    It is centred on the hinge and a solid of revolution about its axis (for a capsule a sphere), so
-    it does not matter to which of the two links it is fixed. A joint that only twists opens no gap.
+    It is centred on the joint and a solid of revolution about its axis (for a capsule a sphere), so
+    that it may be fixed to either link. A joint that only twists opens no gap.
     """
     across = math.hypot(joint.axis[0], joint.axis[1])
     if joint.joint_type == "fixed" or across <= 1e-9 * geometry.norm(joint.axis):
@@ -161,8 +161,8 @@ def _gap_filler(
 def _inscribed_cylinder(box: Box, along: tuple[float, float]) -> tuple[Cylinder, Vector]:
     """Return a cylinder in a box, along a direction of its cross-section, and its roll, pitch, yaw.
 
-    Along x or y it fills the box. In other directions the ratio of length and width is that of the
-    chords through the middle, and its corners touch the sides.
+    Along x or y it fills the box. Along other directions the ratio of its length and width is that
+    of the chords through the middle, and its corners touch the sides of the box.
     """
     (x, y, _), (ax, ay) = box.size, (abs(along[0]), abs(along[1]))
     length = min(x / ax if ax > 1e-9 else math.inf, y / ay if ay > 1e-9 else math.inf)
@@ -176,7 +176,7 @@ def _inscribed_cylinder(box: Box, along: tuple[float, float]) -> tuple[Cylinder,
 def _add_rounded_end(
     body: _LinkBuilder, part: LinkDefinition, start: float, at_base: bool
 ) -> float:
-    """Add a base or tip, with a round free end if its shape has one; return where it ends."""
+    """Add a base or tip, with a round free end if its shape has one; return its end height."""
     body.add(part, part.solid, _inertial(part), start)
     _add_end_cap(body, part, body.shapes[-1].position, at_base)
     return start + part.height

@@ -1,4 +1,4 @@
-"""The compiler: a document to its problems, its definition, its chain and its URDF."""
+"""Compile a document: find its problems, and make its definition, its chain and its URDF."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ FILE_POINTERS: tuple[tuple[str, ...], ...] = (
     ("limbs", "*", "definition"),
     *(("limbs", "*", "definition", *place) for place in _PLACES),
 )
-"""Where a definition or an assembly may name a file instead of holding a mapping."""
+"""The places where a definition or an assembly may name a file instead of holding a mapping."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +48,7 @@ class Compiled:
         return urdf.render(self.scaled_chain(scale or self.scale or Scale()), tip_frame)
 
     def described(self, scale: Scale) -> str:
-        """Return one line about what was compiled, in the unit of the file."""
+        """Return one line with the size of the manipulator, in the unit of the file."""
         links = self.chain.links
         limbs = f"{len(self.chain.limbs)} limbs, " if self.chain.limbs else ""
         mass = sum(link.inertial.mass for link in links)
@@ -59,7 +59,7 @@ class Compiled:
 
 
 def document_problems(document: Document) -> tuple[Problem, ...]:
-    """Return every error and warning about a definition or an assembly, in reading order."""
+    """Return all errors and warnings about a definition or an assembly, in reading order."""
     schema = "assembly" if assembly.is_assembly(document.data) else "manipulator"
     shape = schema_problems(document, schema)
     is_sound = soundness_test(shape, unresolved_references(document, FILE_POINTERS))
@@ -71,28 +71,28 @@ def document_problems(document: Document) -> tuple[Problem, ...]:
 
 
 def compile_sound(document: Document, at: Pointer, warnings: tuple[Problem, ...]) -> Compiled:
-    """Return what the definition at a pointer compiles to; it has no errors."""
+    """Return the compiled definition at a pointer without errors."""
     definition = assembly.read(document, at)
     scale = assembly.world_scale(document, at)
     return Compiled(definition, assembly_chain.build(definition), scale, warnings)
 
 
 class DefinitionCompiler:
-    """Compiles the definitions of one document without errors, each of them once."""
+    """Compiles the definitions of one document without errors, each only once."""
 
     def __init__(self, document: Document) -> None:
         self._document = document
         self._compiled: dict[Pointer, Compiled] = {}
 
     def at(self, pointer: Pointer) -> Compiled:
-        """Return what the definition or assembly at a pointer compiles to."""
+        """Return the compiled definition or assembly at a pointer."""
         if pointer not in self._compiled:
             self._compiled[pointer] = compile_sound(self._document, pointer, ())
         return self._compiled[pointer]
 
 
 def compile_definition(document: Document) -> Compiled:
-    """Return what a definition compiles to; raise InvalidFile, with all problems, for errors."""
+    """Return the compiled definition. Raises InvalidFile with all problems if it has errors."""
     problems = document_problems(document)
     if has_errors(problems):
         raise InvalidFile(problems, document.texts)

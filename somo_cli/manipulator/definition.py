@@ -1,7 +1,7 @@
-"""The manipulator as a file describes it. The backbone runs along +z.
+"""The definition of a manipulator, as a file gives it. The backbone points along +z.
 
-Quantities are in the unit of the file: SI if it has a `world_scale`. Files of SoMo have a world
-scale of 1, and are in what SoMo calls simulation units.
+Quantities are in the units of the file: SI if it has a `world_scale`. Files of SoMo have a world
+scale of 1 and are in units that SoMo calls simulation units.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ JointType = Literal["revolute", "continuous", "fixed"]
 Placement = Literal["uniform", "gauss"]
 
 MAXIMUM_JOINTS = 121
-"""PyBullet 3.2.7 silently ignores every command to the 122nd joint of a body and beyond."""
+"""PyBullet 3.2.7 silently ignores every command to joints of a body after the 121st."""
 
 
 @dataclass(frozen=True, slots=True)
 class Material:
-    """A colour and its name; red, green, blue and opacity from 0 to 1."""
+    """A colour and its name; red, green, blue and opacity are from 0 to 1."""
 
     name: str
     rgba: tuple[Number, Number, Number, Number]
@@ -47,8 +47,8 @@ class Material:
 class LinkDefinition:
     """A rigid body of a primitive shape, centred on the backbone and then moved by its offset.
 
-    `solid` is the part that has the mass: of a stadium the box between the round ends, of a
-    capsule the cylinder between its caps. Without an `inertia` the solid is homogeneous.
+    `solid` is the part that has the mass: in a stadium the box between the round ends, in a capsule
+    the cylinder between its caps. Without an `inertia` the solid is homogeneous.
     """
 
     shape_type: ShapeType
@@ -68,7 +68,7 @@ class LinkDefinition:
 
 @dataclass(frozen=True, slots=True)
 class JointDefinition:
-    """A hinge with a spring, a damper and dry friction; `offset` moves it off the backbone.
+    """A revolute joint with spring, damper and dry friction; `offset` moves it off the backbone.
 
     `torque_per_pressure` is None if the file does not give it.
     """
@@ -91,10 +91,11 @@ class JointDefinition:
 class ActuatorDefinition:
     """`n_segments` joints between links of one shape, base to tip.
 
-    For each joint, `joints` has its properties if it were evenly placed, `channels` the axis of the
-    actuator that drives it, and `spans` the length of backbone that it represents; `shares` is that
-    length relative to an evenly placed joint's. `fractions` has the lengths of the links relative
-    to `link`, one more than there are joints; with even placement both end links are halves.
+    For each joint, `joints` has its properties as if it were evenly placed, `channels` the axis of
+    the actuator that drives it, and `spans` the length of backbone that it represents; `shares` has
+    that length divided by an evenly placed joint's. `fractions` has the length of each link divided
+    by that of `link`; there is one link more than joints. With even placement both end links are
+    half links.
     """
 
     link: LinkDefinition
@@ -107,7 +108,7 @@ class ActuatorDefinition:
 
     @property
     def n_segments(self) -> int:
-        """Number of joints, SoMo's `n_segments`."""
+        """The number of joints, `n_segments` in SoMo."""
         return len(self.joints)
 
 
@@ -116,7 +117,7 @@ class LimbDefinition:
     """One manipulator of an assembly: its name, pose, base and tips.
 
     `position` and `rpy` are the pose of its base frame in the frame of the body. Its actuators are
-    the next `n_actuators` of the assembly's.
+    the next `n_actuators` of the assembly's actuators.
     """
 
     name: str
@@ -129,10 +130,10 @@ class LimbDefinition:
 
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """A manipulator, which has an optional base, actuators in series and any number of tips.
+    """A manipulator: an optional base, actuators in series and any number of tips.
 
-    Or an assembly, which has limbs: `base` is then its body, `actuators` has those of all limbs,
-    limb after limb, each base to tip, and the tips are in the limbs.
+    An assembly has `limbs` as well: `base` is then its body, `actuators` has those of all limbs,
+    limb after limb and each from base to tip, and the limbs have the tips.
     """
 
     name: str
@@ -143,7 +144,7 @@ class Definition:
     limbs: tuple[LimbDefinition, ...] = ()
 
     def actuators_of(self, limb: str) -> range:
-        """Return the numbers of the actuators of a limb; raise KeyError without it."""
+        """Return the numbers of a limb's actuators. Raises KeyError for an unknown limb."""
         first = 0
         for one in self.limbs:
             if one.name == limb:

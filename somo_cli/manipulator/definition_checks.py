@@ -100,15 +100,15 @@ def _count_problems(
         return
     flag = data.get("planar_flag", 1 if count == 1 else 0)
     definitions = (*at, "joint_definitions")
-    fault = _count_fault(flag, "planar_flag" in data, count, data["n_segments"])
-    if fault is not None:
-        yield Problem(document.span(definitions, key=True), *fault)
+    found = _count_error(flag, "planar_flag" in data, count, data["n_segments"])
+    if found is not None:
+        yield Problem(document.span(definitions, key=True), *found)
     elif flag == 2 and is_sound(definitions):
         yield from _axis_problems(document, definitions, data["joint_definitions"])
 
 
-def _count_fault(flag: object, is_given: bool, count: int, segments: int) -> tuple[str, str] | None:
-    """Return message and hint if `count` joint definitions do not suit the planar_flag."""
+def _count_error(flag: object, is_given: bool, count: int, segments: int) -> tuple[str, str] | None:
+    """Return message and hint if planar_flag does not allow `count` joint definitions."""
     if flag == 1 and count != 1:
         return (
             f"planar_flag 1 needs 1 joint definition, found {count}",
@@ -124,7 +124,7 @@ def _count_fault(flag: object, is_given: bool, count: int, segments: int) -> tup
         return (
             f"planar_flag 2 needs one joint definition per segment, "
             f"found {count} for {segments} segments",
-            "use planar_flag 1 for one joint definition, 0 for 2 or 3 that take turns",
+            "use planar_flag 1 for one joint definition, 0 for 2 or 3 alternating ones",
         )
     return None
 
@@ -155,7 +155,7 @@ def _placement_problems(
     ):
         yield Problem(
             document.span((*at, "joint_placement")),
-            "joint_placement gauss needs links that can be shorter or longer, not spheres",
+            "joint_placement gauss needs links of different lengths, and spheres have no length",
             "use a cylinder, a capsule or a box, or joint_placement: uniform",
         )
 
@@ -226,7 +226,7 @@ def _joint_count_problems(
 
 
 def _moving_joints(actuator: Mapping[str, Any]) -> int:
-    """Return the number of joints of an actuator that move; its joint definitions take turns."""
+    """Return the number of joints of an actuator that move; its joint definitions alternate."""
     segments = actuator.get("n_segments", 0)
     kinds = [
         joint.get("joint_type") if isinstance(joint, Mapping) else None

@@ -1,8 +1,8 @@
-"""Quantities with their dimensions, the world scale, and dataclasses scaled by it.
+"""Quantities with their dimensions, the world scale, and scaling of dataclasses.
 
 A quantity is a float whose annotation has its dimension. `scaled` reads the annotations of a frozen
-dataclass and of those in it. A field that is a bare `float` is refused, so that no field can be
-forgotten; numbers that no scale changes are `Angle` and `Number`.
+dataclass and of the dataclasses in it. It refuses a plain `float`, so that no field can be
+forgotten; numbers that do not scale are `Angle` and `Number`.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ class Scale:
         return float(self.length**dimension.length * self.mass**dimension.mass)
 
     def described(self) -> str:
-        """Return the factors in words; that of mass only if it is not 1."""
+        """Return the factors as text; the mass factor only if it is not 1."""
         of_mass = f" (mass {self.mass:g})" if self.mass != 1 else ""
         return f"{self.length:g}{of_mass}"
 
@@ -75,7 +75,7 @@ _Scaler = Callable[[Any, Scale], Any]
 
 
 def scaled(quantities: Quantities, scale: Scale) -> Quantities:
-    """Return a dataclass of quantities in SI with all of them in the units of a scale.
+    """Return a dataclass of quantities in SI, converted to the units of a scale.
 
     Raises TypeError for a field whose annotation has no dimension.
     """

@@ -218,7 +218,7 @@ def principal_moments(tensor: Tensor) -> Vector:
 
 
 def farthest_moment_ratio(tensor: Tensor, other: Tensor) -> float:
-    """Return the ratio of principal moments, one by the other's, that is farthest from 1."""
+    """Return the ratio farthest from 1 of the principal moments of two tensors."""
     pairs = zip(principal_moments(tensor), principal_moments(other), strict=True)
     ratios = [a / b if b > 0 else math.inf for a, b in pairs]
     return max(ratios, key=lambda ratio: max(ratio, 1 / ratio if ratio > 0 else math.inf))
@@ -228,6 +228,6 @@ def rotation_vector(rotation: Matrix) -> Vector:
     """Return axis times angle [rad], 0 to π, of a rotation."""
     x, y, z, w = quaternion_from_rotation(rotation)
     sine = math.hypot(x, y, z)
-    # so small a sine equals its angle, to rounding
+    # a sine this small equals its angle, to rounding
     factor = 2.0 if sine < 1e-8 else 2 * math.atan2(sine, w) / sine
     return (factor * x, factor * y, factor * z)

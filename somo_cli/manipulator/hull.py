@@ -23,7 +23,7 @@ class Hull:
 
     @property
     def smallest_extent(self) -> float:
-        """The least of the extents along x, y and z."""
+        """The smallest of the extents along x, y and z."""
         return min(map(self._extent, range(3)))
 
     @property

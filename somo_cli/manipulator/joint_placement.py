@@ -1,9 +1,9 @@
-"""Where the joints of an actuator are along its backbone, and how much of it each represents.
+"""Place the joints of an actuator along its backbone, each with the length that it represents.
 
 Evenly placed joints are in the middle of equal parts of the backbone; the error of such a chain is
 of second order in the number of joints. Alternatively joints are at the points x_i of a Gauss rule,
 and each represents the part w_i of the length. The work of small loads is then a quadrature that is
-exact for polynomials: with few joints the tip deflects as that of the beam does, under a force or a
+exact for polynomials: with few joints the tip deflects like that of a beam, under a force or a
 moment on the tip and under its own weight.
 """
 
@@ -42,8 +42,8 @@ class JointLayout:
 def layout(placement: Placement, channels: Sequence[int], axes: int) -> JointLayout:
     """Return the layout of joints whose axes are `channels`, base to tip.
 
-    `axes` is the number of axes that take turns. Each axis has its own Gauss rule, for its joints
-    alone. If several axes have the same number of joints, their points are shifted apart.
+    `axes` is the number of alternating axes. Each axis has its own Gauss rule, for its joints only.
+    If several axes have the same number of joints, their points are shifted apart.
     """
     count = len(channels)
     if placement == "uniform":
@@ -68,7 +68,7 @@ def actuator_of(
     channels: tuple[int, ...],
     axes: int,
 ) -> ActuatorDefinition:
-    """Return the actuator of these joints, which are given as if evenly placed."""
+    """Return the actuator of these joints, whose properties are those of evenly placed joints."""
     where = layout(placement, channels, axes)
     return ActuatorDefinition(
         link=link,
@@ -85,8 +85,8 @@ def scaled_to_share(joint: JointDefinition, share: float) -> JointDefinition:
     """Return the joint that represents `share` times as much of the same continuous backbone.
 
     Stiffness and damping are divided by the share. Angles (limits, neutral position) and the
-    velocity limit are multiplied by it, so that the bounds of curvature stay. Torques (dry
-    friction, effort) are moments in the backbone and stay.
+    velocity limit are multiplied by it, so that the limits of curvature do not change. Torques (dry
+    friction, effort) are moments in the backbone and do not change.
     """
     # a joint without limits has lower > upper, a pair that URDF readers expect as it is
     limit = share if joint.lower <= joint.upper else 1.0

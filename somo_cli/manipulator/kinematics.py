@@ -12,7 +12,7 @@ from somo_cli.manipulator.geometry import Matrix, Vector
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """A frame in the world: the position of its origin, and its axes as columns of a rotation."""
+    """A frame in the world: the position of its origin, and its axes as the columns of a matrix."""
 
     position: Vector = geometry.ZERO
     rotation: Matrix = geometry.IDENTITY
@@ -32,10 +32,10 @@ class Pose:
         return Pose(self.point(local.position), rotation)
 
 
-def ways(chain: Chain) -> list[float]:
-    """Return the greatest distance of each link frame's origin from the base frame's, root first.
+def max_distances(chain: Chain) -> list[float]:
+    """Return the largest distance of each link frame's origin from the base frame's, root first.
 
-    It is the path along the joints, in the units of the chain; joint limits are not considered.
+    It is the length of the straightened chain, in its unit; joint limits are not considered.
     """
     found = [0.0]
     for joint in chain.joints:

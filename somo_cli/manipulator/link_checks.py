@@ -1,4 +1,4 @@
-"""Errors and warnings about a link of a definition, above all about its declared inertia."""
+"""Check a link of a definition, mainly its declared inertia."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from somo_cli.manipulator.read import link_from
 from somo_cli.problems import Pointer, Problem
 
 IsSound: TypeAlias = Callable[[Pointer], bool]
-"""Whether the schema found no error at a pointer or below it."""
+"""Returns whether the schema found no error at a pointer or below it."""
 
 INERTIA_FACTOR = 10.0
-"""The ratio of a declared inertia to that of the solid beyond which there is a warning."""
+"""Warn if a declared inertia is larger than that of the solid by more than this factor."""
 
 
 def link_problems(document: Document, at: Pointer, is_sound: IsSound) -> Iterator[Problem]:
@@ -43,7 +43,7 @@ def _inertia_problems(
     shown = ", ".join(f"{moment:.3g}" for moment in geometry.principal_moments(own))
     hint = f"leave inertial_values out; the solid's own is [{shown}]"
     if why := _impossibility(link.inertia):
-        message = f"no body has this inertia: {why}"
+        message = f"no body can have this inertia: {why}"
         yield Problem(place, message, hint, "warning", "impossible-inertia")
         return
     ratio = geometry.farthest_moment_ratio(link.inertia, own)
@@ -56,7 +56,7 @@ def _inertia_problems(
 
 
 def _impossibility(inertia: Tensor) -> str:
-    """Return why no body has an inertia, empty if one has; rounding is allowed for."""
+    """Return why no body can have an inertia, empty if one can; rounding is accepted."""
     a, b, c = geometry.principal_moments(inertia)
     if a <= 0:
         return f"a principal moment is {a:.3g}"

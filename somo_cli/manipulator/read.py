@@ -1,4 +1,4 @@
-"""From a document without errors to a definition, in SI."""
+"""Read the definition of a manipulator from a document without errors."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def read(document: Document, at: Pointer = ()) -> Definition:
 
 
 def filename(data: Mapping[str, Any]) -> str | None:
-    """Return the file name, without a folder, of `urdf_filename`; None without one."""
+    """Return the file name in `urdf_filename`, without a folder; None without one."""
     return (data.get("urdf_filename") or "").replace("\\", "/").split("/")[-1] or None
 
 
@@ -55,7 +55,7 @@ def world_scale(document: Document, at: Pointer = ()) -> WorldScale:
 
 
 def link_from(data: Mapping[str, Any]) -> LinkDefinition:
-    """Return the link that a mapping without errors describes."""
+    """Return the link from a mapping without errors."""
     inertia = data.get("inertial_values")
     offset = data.get("origin_offset") or (0,) * 6
     rgba = data.get("material_color") or _GREY
@@ -72,7 +72,7 @@ def link_from(data: Mapping[str, Any]) -> LinkDefinition:
 
 
 def solid_from(shape_type: str, dimensions: list[float]) -> Solid:
-    """Return the solid that has the mass of a link with this shape and these dimensions."""
+    """Return the solid with the mass of a link, from its shape and dimensions."""
     if shape_type in ("box", "stadium"):
         return Box(geometry.vector(dimensions))
     if shape_type in ("cylinder", "capsule"):

@@ -1,4 +1,4 @@
-"""Divides a manipulator into another number of segments of the same continuous backbone."""
+"""Divide a manipulator into another number of segments of the same continuous backbone."""
 
 from __future__ import annotations
 
@@ -13,16 +13,17 @@ from somo_cli.manipulator.solids import Box, Cylinder
 
 
 class NotUniform(ValueError):
-    """The joints or links of an actuator vary along it, so it cannot be divided anew."""
+    """The joints or links of an actuator vary along it, so that its segments cannot be changed."""
 
 
 def cut(compiled: Compiled, count: int) -> Compiled:
     """Return the manipulator with `count` segments in every actuator.
 
-    Length, mass and flexural rigidity stay. With more segments, links are shorter and lighter,
-    joints are stiffer and more damped, and their angles (limits, neutral position) are smaller, so
-    that the bounds of curvature stay. Torques (dry friction, effort) are moments in the backbone
-    and stay. Links get the inertia of a homogeneous solid, whatever was declared.
+    Length, mass and flexural rigidity do not change. With more segments, links are shorter and
+    lighter, joints are stiffer and more damped, and their angles (limits, neutral position) are
+    smaller, so that the limits of curvature do not change. Torques (dry friction, effort) are
+    moments in the backbone and do not change. Links get the inertia of a homogeneous solid, even if
+    another one was declared.
 
     Raises NotUniform if joints of one axis differ, if links are spheres, and if there are fewer
     segments than axes.
@@ -40,7 +41,8 @@ def cut(compiled: Compiled, count: int) -> Compiled:
 def per_joint(values: Sequence[float], before: Compiled, after: Compiled) -> tuple[float, ...]:
     """Return joint angles or rates of `before`, one per joint, for the joints of `after`.
 
-    The curvature of each axis of an actuator stays. Raises NotUniform unless it is uniform.
+    The curvature of each axis of an actuator does not change. Raises NotUniform if it is not
+    uniform.
     """
     curvatures: dict[tuple[int, int], float] = {}
     for joint, value in zip(before.chain.joints, values, strict=True):

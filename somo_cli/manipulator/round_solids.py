@@ -1,4 +1,4 @@
-"""Capsule and rounded box: their volume and inertia in closed form."""
+"""Capsule and rounded box, with volume and inertia in closed form."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from somo_cli.manipulator.geometry import Tensor, Vector
 
 @dataclass(frozen=True, slots=True)
 class Capsule:
-    """A cylinder along z with a half ball on each end, centred on its frame.
+    """A cylinder along z with a half sphere on each end, centred on its frame.
 
-    `length` is that of the cylinder alone: from the centre of one half ball to that of the other.
+    `length` is that of the cylinder alone, between the centres of both half spheres.
     """
 
     length: Length
@@ -22,7 +22,7 @@ class Capsule:
 
     @property
     def height(self) -> float:
-        """The extent along z, with both half balls."""
+        """The extent along z, with both half spheres."""
         return self.length + 2 * self.radius
 
     @property
@@ -47,7 +47,7 @@ class Capsule:
         density = mass / self.volume
         middle, ends = density * math.pi * r * r * length, density * 4 / 3 * math.pi * r**3
         along = middle * r * r / 2 + ends * 2 / 5 * r * r
-        # the centre of a half ball is 3/8 r beyond its flat face; both about the middle (Steiner)
+        # the centre of a half sphere is 3/8 r beyond its flat face; Steiner's term about the middle
         across = middle * (length**2 / 12 + r * r / 4)
         across += ends * (2 / 5 * r * r + length**2 / 4 + 3 / 8 * length * r)
         return (across, 0.0, 0.0, across, 0.0, along)
@@ -59,10 +59,10 @@ class Capsule:
 
 @dataclass(frozen=True, slots=True)
 class RoundedBox:
-    """A box centred on its frame whose edges and corners are round, of one radius.
+    """A box centred on its frame, with edges and corners rounded with one radius.
 
-    `size` is that of the box around it. It is the Minkowski sum of a smaller box, its core, and a
-    ball of this radius.
+    `size` is that of the bounding box. The body is the Minkowski sum of a smaller box, its core,
+    and a ball of this radius.
     """
 
     size: tuple[Length, Length, Length]
@@ -81,7 +81,7 @@ class RoundedBox:
 
     @property
     def smallest_extent(self) -> float:
-        """The shortest edge of the box around it."""
+        """The shortest edge of the bounding box."""
         return min(self.size)
 
     @property

@@ -1,7 +1,8 @@
-"""Box, cylinder and sphere, of which manipulators are made, and the inertia of rigid bodies.
+"""Box, cylinder and sphere, the solids of manipulators, and the inertia of rigid bodies.
 
-Every solid, of an object too, has `height`, `smallest_extent`, `circumradius` and `reach`; all but
-hulls have `volume` and `inertia`. Inertias: Goldstein, Classical Mechanics, 3rd ed., chapter 5.
+All solids, including those of objects only, have `height`, `smallest_extent`, `circumradius` and
+`reach`; all but hulls have `volume` and `inertia`. Inertias: Goldstein, Classical Mechanics, 3rd
+ed., chapter 5.
 """
 
 from __future__ import annotations
@@ -77,7 +78,7 @@ class Cylinder:
 
     @property
     def smallest_extent(self) -> float:
-        """The length or the diameter, whichever is less."""
+        """The length or the diameter, whichever is smaller."""
         return min(self.length, 2 * self.radius)
 
     @property
@@ -152,7 +153,7 @@ AnySolid: TypeAlias = Solid | Capsule | RoundedBox | Hull
 
 @dataclass(frozen=True, slots=True)
 class Inertial:
-    """Mass, centre of mass, and the inertia about the centre of mass, in one frame's axes."""
+    """Mass, centre of mass, and inertia about the centre of mass along the axes of one frame."""
 
     mass: Mass
     centre: Position
@@ -160,11 +161,11 @@ class Inertial:
 
 
 def shortened_inertia(solid: Solid, full: Tensor, fraction: float) -> Tensor:
-    """Return the inertia of `solid.shortened(f)` at f times the mass; the full solid has `full`.
+    """Return the inertia of `solid.shortened(f)` at f times the mass; `full` is that of the solid.
 
-    The short body is the full one compressed by a linear map A, its mass scaled by f: its second
-    moments S = ∫ρ r rᵀ become f A S A. Inertia and second moments are related by I = tr(S) 1 - S.
-    For a homogeneous solid this equals `solid.shortened(f).inertia(f * mass)`.
+    The short body is the full one compressed by a linear map A, with its mass scaled by f: its
+    second moments S = ∫ρ r rᵀ become f A S A. The inertia is I = tr(S) 1 - S. For a homogeneous
+    solid the result equals `solid.shortened(f).inertia(f * mass)`.
     """
     if fraction == 1:
         return full
@@ -186,7 +187,7 @@ def shortened_inertia(solid: Solid, full: Tensor, fraction: float) -> Tensor:
 
 
 def placed(inertial: Inertial, position: Vector, rotation: Matrix) -> Inertial:
-    """Return an inertial in the frame in which its own frame has this pose."""
+    """Return an inertial in another frame, in which the inertial's own frame has this pose."""
     return Inertial(
         inertial.mass,
         geometry.add(position, geometry.rotate(rotation, inertial.centre)),
@@ -195,8 +196,8 @@ def placed(inertial: Inertial, position: Vector, rotation: Matrix) -> Inertial:
 
 
 def lumped(parts: tuple[Inertial, ...]) -> Inertial:
-    """Return the inertial of several bodies in one frame, joined rigidly (Steiner's theorem)."""
-    # fsum: the sum of Python 3.12 rounds differently, and URDFs must not depend on the version
+    """Return the inertial of several bodies in one frame as one rigid body (Steiner's theorem)."""
+    # fsum, because sum rounds differently since Python 3.12, and URDFs must not depend on it
     mass = math.fsum(part.mass for part in parts)
     x, y, z = (math.fsum(part.mass * part.centre[i] for part in parts) / mass for i in range(3))
     centre = (x, y, z)

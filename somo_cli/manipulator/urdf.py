@@ -1,9 +1,9 @@
-"""Chain to URDF text; the same chain gives the same bytes.
+"""Write the URDF text of a chain; the same chain gives the same bytes.
 
-The file is complete: damping and dry friction are in `<dynamics>`. URDF has no element for springs,
-so they are in extension tags of Gazebo: `springStiffness` and `springReference`, in camel case,
-since libsdformat 12.3 ignores the other spelling. Lines are short, because PyBullet 3.2.7 silently
-cuts them at 8191 characters.
+Damping and dry friction are in `<dynamics>`. URDF has no element for springs, so they are in
+extension tags of Gazebo: `springStiffness` and `springReference`, in camel case because libsdformat
+12.3 ignores the other spelling. Lines are short because PyBullet 3.2.7 silently cuts them at 8191
+characters.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def render(chain: Chain, tip_frame: str | None = None) -> str:
     """Return the URDF of a chain, in the chain's own units.
 
     With `tip_frame` a massless link of that name is fixed to the tip, for tools that need a frame
-    there. It does not change the dynamics, and `somo run` does not load it. In an assembly every
+    there. It does not change the dynamics, and `somo run` does not load it. In an assembly each
     limb has one, whose name starts with that of the limb.
     """
     robot = _robot(chain, _Contents())
@@ -59,9 +59,8 @@ def render_for_engine(
     """Return the URDF for the engine of a run, in the chain's own units.
 
     It has no springs, dampers or dry friction: the integrator applies those, and the engine would
-    add an explicit damper of its own. Collision shapes are left out unless `with_collisions`, and
-    visuals too unless both `with_collisions` and `with_visuals`. Without `with_limits` every joint
-    turns freely.
+    add its own explicit damper. It has collision shapes only with `with_collisions`, visual shapes
+    only with both `with_collisions` and `with_visuals`, and joint limits only with `with_limits`.
     """
     chain = chain if with_limits else chain.without_limits()
     visuals = with_collisions and with_visuals
@@ -69,7 +68,7 @@ def render_for_engine(
 
 
 def number(value: float) -> str:
-    """Return the shortest decimal that reads back as exactly this float."""
+    """Return the shortest decimal text that reads back as exactly this float."""
     text = repr(float(value))
     if text.endswith(".0"):
         text = text[:-2]

@@ -1,4 +1,4 @@
-"""Reads a URDF back with yourdfpy, an independent reader, and compares it with the chain."""
+"""Read a URDF back with yourdfpy, an independent reader, and compare it with the chain."""
 
 from __future__ import annotations
 
@@ -20,9 +20,8 @@ _IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 def require_equal(text: str, chain: Chain) -> None:
     """Raise EngineRefused, with the first differences, unless a URDF describes a chain.
 
-    yourdfpy reads the URDF, and the poses of bent joints are compared as well. Springs and shapes
-    are not. Massless links that are fixed to the last link of a limb, such as a tip frame, are
-    allowed.
+    yourdfpy reads the URDF. Poses with bent joints are compared as well, springs and shapes are
+    not. The URDF may have massless links fixed to the last link of a limb, such as a tip frame.
     """
     # its import takes half a second and 100 MB
     import yourdfpy
@@ -44,7 +43,7 @@ def require_equal(text: str, chain: Chain) -> None:
 
 
 class _Comparison:
-    """Collects a sentence for each difference between a robot of yourdfpy and a chain."""
+    """Collects a message for each difference between a robot of yourdfpy and a chain."""
 
     def __init__(self, chain: Chain) -> None:
         self.found: list[str] = []
@@ -61,7 +60,7 @@ class _Comparison:
             if link.name in names[:own]:
                 self.found.append(f"two links are called '{link.name}'")
             if link.inertial is not None:
-                self.found.append(f"link '{link.name}' has a mass of its own")
+                self.found.append(f"link '{link.name}' has a mass, and the chain has no such link")
         for link, theirs in zip(chain.links, robot.links, strict=False):
             what = f"of '{link.name}'"
             if theirs.inertial is None or theirs.inertial.origin is None:
@@ -100,7 +99,7 @@ class _Comparison:
             self._compare_limits(what, theirs.limit, joint)
 
     def _require_fixed_to_last_links(self, joints: Sequence[Any]) -> None:
-        """Require that each joint beyond the chain's fixes a link to the last link of a limb."""
+        """Report each additional joint unless it fixes a link to the last link of a limb."""
         links = self._chain.links
         last_links = [links[limb.last_link].name for limb in self._chain.backbones]
         for joint in joints:
@@ -146,7 +145,7 @@ class _Comparison:
     def _compare_numbers(
         self, what: str, theirs: Sequence[float | None], ours: Sequence[float], size: float = 1.0
     ) -> None:
-        """Compare numbers; `size` is a typical magnitude, in their unit, for those near zero."""
+        """Compare numbers; `size`, in their unit, is the scale of the tolerance near zero."""
         if not all(
             a is not None and math.isclose(a, b, rel_tol=TOLERANCE, abs_tol=TOLERANCE * size)
             for a, b in zip(theirs, ours, strict=True)

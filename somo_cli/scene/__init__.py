@@ -1,1 +1,1 @@
-"""What a scene says: its model in SI units, read from a checked document."""
+"""The model of a scene in SI units, read from a checked document."""

@@ -1,4 +1,4 @@
-"""What drives an axis over time, as a person describes it: read from an entry of a scene."""
+"""Read the torques that drive the joints of a manipulator over time."""
 
 from __future__ import annotations
 
@@ -13,19 +13,22 @@ from somo_cli.scene.signals import Interpolation, Signal, Wave
 from somo_cli.scene.sorotraj import Trajectory
 
 EVERY_ONE = "all"
-"""In place of a list of actuators, or of limbs: every one of them, in their order."""
+"""Stands for the list of all actuators or limbs, in their order."""
 
 
 @dataclass(frozen=True, slots=True)
 class WaypointProfile:
-    """Values at times [s] with increasing times, and what goes on between and after them."""
+    """A profile through (time [s], value) points in order of time.
+
+    After the last point the value stays constant or, with `repeat`, starts again at time zero.
+    """
 
     points: tuple[tuple[float, float], ...]
     interpolation: Interpolation = "linear"
     repeat: bool = False
 
     def scaled(self, factor: float) -> WaypointProfile:
-        """Return the same with every value times a factor."""
+        """Return the profile with every value times a factor."""
         points = tuple((time, value * factor) for time, value in self.points)
         return dataclasses.replace(self, points=points)
 
@@ -36,7 +39,7 @@ class WaypointProfile:
 
     @property
     def final_value(self) -> float | None:
-        """The value that is held after the last time, None if it starts anew."""
+        """The constant value after the last point, None if the profile repeats."""
         return None if self.repeat else self.points[-1][1]
 
     def signal(self) -> Signal:
@@ -46,12 +49,12 @@ class WaypointProfile:
 
 @dataclass(frozen=True, slots=True)
 class WaveProfile:
-    """A wave as a profile of its own, beside waypoints."""
+    """A profile that is a wave."""
 
     wave: Wave
 
     def scaled(self, factor: float) -> WaveProfile:
-        """Return the same with amplitude and offset times a factor."""
+        """Return the profile with amplitude and offset times a factor."""
         wave = self.wave
         return WaveProfile(
             dataclasses.replace(
@@ -66,7 +69,7 @@ class WaveProfile:
 
     @property
     def final_value(self) -> float | None:
-        """The value that is held in the end, None if there is none."""
+        """The value if it never changes, else None: a wave does not end."""
         return self.constant_value
 
     def signal(self) -> Signal:
@@ -87,11 +90,11 @@ class Actuation:
 
 
 class AmbiguousTorquePerPressure(ValueError):
-    """The joints of one axis turn pressure into torque each in its own way."""
+    """The joints of one axis have different torques per pressure."""
 
 
 def torque_per_pressure(definition: Definition, actuator: int, axis: int) -> float | None:
-    """Return the torque on every joint of an axis per pressure [N·m/Pa], None if not said.
+    """Return the torque per pressure of every joint of an axis [N·m/Pa], None if it is not given.
 
     Raises AmbiguousTorquePerPressure.
     """
@@ -104,9 +107,9 @@ def torque_per_pressure(definition: Definition, actuator: int, axis: int) -> flo
 
 
 def driven_actuators(data: Mapping[str, Any], definition: Definition) -> tuple[int, ...]:
-    """Return the actuators that an entry drives, in the order in which a wave reaches them.
+    """Return the numbers of the actuators that an entry drives, in the order of a wave.
 
-    Of an assembly they are counted through all limbs: limb after limb, as the entry names them.
+    In an assembly, numbers count the actuators of all limbs; the order is that of the entry.
     """
     if not definition.limbs:
         return driven_actuator_numbers(data, len(definition.actuators))
@@ -127,7 +130,7 @@ def driven_limbs(data: Mapping[str, Any], definition: Definition) -> tuple[str, 
 
 
 def driven_actuator_numbers(data: Mapping[str, Any], count: int) -> tuple[int, ...]:
-    """Return the numbers that an entry gives of the `count` actuators of one backbone."""
+    """Return the numbers of the actuators that an entry drives, of the `count` of one backbone."""
     if "actuators" not in data:
         return (int(data["actuator"]),)
     if data["actuators"] == EVERY_ONE:
@@ -136,14 +139,14 @@ def driven_actuator_numbers(data: Mapping[str, Any], count: int) -> tuple[int, .
 
 
 def is_pressure(data: Mapping[str, Any]) -> bool:
-    """Whether an entry is about pressure [Pa], not torque [N·m]."""
+    """Return whether the values of an entry are pressures [Pa], not torques [N·m]."""
     return "pressure" in data or data.get("input") == "pressure"
 
 
 def read_actuation(
     data: Mapping[str, Any], definition: Definition, trajectories: Mapping[str, Trajectory]
 ) -> Iterator[Actuation]:
-    """Yield the torques of a sound entry, one for each actuator that it names."""
+    """Yield the torque [N·m] over time for each actuator of an entry without errors."""
     axis = int(data["axis"])
     for wave_index, actuator in enumerate(driven_actuators(data, definition)):
         profile = _profile(data, wave_index, trajectories)

@@ -1,8 +1,8 @@
-"""Triangles that close around a volume: cleaned, turned outwards, and the solid inside.
+"""Clean the triangles of a closed surface, and order their vertices as seen from outside.
 
-A surface is closed where every edge has an even number of faces: two, or four where two bodies
-touch in an edge or share a face. Volume and inertia are then those of the divergence theorem, if
-faces run along each edge as often one way as the other.
+A surface is closed if every edge belongs to an even number of faces: two, or four where two bodies
+touch along an edge or share a face. The divergence theorem gives volume and inertia if every edge
+has as many faces that run along it in one direction as in the other.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ Array: TypeAlias = NDArray[Any]
 
 @dataclass(frozen=True, slots=True)
 class CleanSurface:
-    """Triangles, shape (n, 3), of a mesh whose vertices are merged, and what was left out."""
+    """Triangles of vertex numbers, shape (n, 3), and the counts of those that were removed."""
 
     faces: Array
     duplicates: int
@@ -26,7 +26,7 @@ class CleanSurface:
 
 
 class OpenSurface(ValueError):
-    """A surface that encloses nothing: what is wrong with it, and what would be right."""
+    """A surface that encloses no volume: the reason, and a hint how to correct it."""
 
     def __init__(self, message: str, hint: str) -> None:
         self.hint = hint
@@ -34,10 +34,10 @@ class OpenSurface(ValueError):
 
 
 def clean_surface(faces: Array) -> CleanSurface:
-    """Return faces without those that name a vertex twice, and without repeated ones.
+    """Return the faces, shape (n, 3), without duplicates and without those of zero area.
 
-    A face with the same corners seen from the other side is not a repetition: where two bodies
-    share a face, both have it.
+    Zero area means that a face names a vertex twice. Two faces with the same vertices in opposite
+    order are no duplicates: where two bodies share a face, each has one of them.
     """
     a, b, c = faces.T
     is_proper = (a != b) & (b != c) & (a != c)
@@ -49,16 +49,16 @@ def clean_surface(faces: Array) -> CleanSurface:
 
 
 def outward_faces(vertices: Array, faces: Array) -> Array:
-    """Return the faces of a closed surface, all seen counterclockwise from outside.
+    """Return the faces of a closed surface, all counterclockwise as seen from outside.
 
-    A shell inside another is a cavity. Raises OpenSurface.
+    A shell inside another shell is a cavity. Raises OpenSurface.
     """
     _require_closed(faces)
     if not _is_balanced(faces):
         faces = _with_consistent_winding(vertices, faces)
     if not _is_balanced(faces):
-        message = "its faces do not tell inside from outside"
-        raise OpenSurface(message, "make its normals consistent")
+        message = "its face normals do not show which side is inside"
+        raise OpenSurface(message, "make the normals consistent")
     return _turned_outwards(vertices, faces)
 
 
@@ -76,12 +76,12 @@ def _require_closed(faces: Array) -> None:
 
 
 def _is_balanced(faces: Array) -> bool:
-    """Whether faces run along every edge as often one way as the other."""
+    """Return whether as many faces run along every edge in one direction as in the other."""
     edges = _edges(faces)
     ends = np.sort(edges, axis=1)
     _, numbers = np.unique(ends, axis=0, return_inverse=True)
-    ways = np.where(edges[:, 0] == ends[:, 0], 1, -1)
-    return not np.bincount(numbers.ravel(), weights=ways).any()
+    directions = np.where(edges[:, 0] == ends[:, 0], 1, -1)
+    return not np.bincount(numbers.ravel(), weights=directions).any()
 
 
 def _with_consistent_winding(vertices: Array, faces: Array) -> Array:
@@ -94,9 +94,9 @@ def _with_consistent_winding(vertices: Array, faces: Array) -> Array:
 
 
 def _turned_outwards(vertices: Array, faces: Array) -> Array:
-    """Return the faces with every outermost shell turned, and what is inside with it, if need be.
+    """Return the faces, reversing each outermost shell that faces inwards, with all inside it.
 
-    The volume that a shell encloses is negative where it is seen from inside.
+    Such a shell has a negative volume by the divergence theorem.
     """
     import trimesh
 

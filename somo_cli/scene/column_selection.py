@@ -1,4 +1,4 @@
-"""Which columns of those at hand a plan keeps, by patterns of their names."""
+"""Select columns by patterns of their names."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from fnmatch import fnmatchcase
 
 @dataclass(frozen=True, slots=True)
 class ColumnSelection:
-    """Columns of one kind that are selected: their names, and their indices among those at hand."""
+    """The selected columns of one kind: their names, and their indices among all of that kind."""
 
     names: tuple[str, ...]
     indices: tuple[int, ...]
@@ -17,10 +17,10 @@ class ColumnSelection:
 
 
 def select_columns(patterns: Sequence[str], names: Sequence[str]) -> ColumnSelection:
-    """Return the columns whose name matches one of the patterns; without patterns, all.
+    """Return the columns whose name matches one of the patterns; without patterns, all columns.
 
-    In a pattern `*` stands for anything, points included, `?` for one character, and `[abc]` for
-    one of these; capitals count.
+    In a pattern `*` matches any text, dots included, `?` one character, and `[abc]` one of these
+    characters. Upper and lower case differ.
     """
     indices = tuple(
         index

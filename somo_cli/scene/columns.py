@@ -1,4 +1,4 @@
-"""The columns of the CSV: their names, and which quantity of what each of them is."""
+"""The columns of the CSV: their names, and the quantity and body of each."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from somo_cli.scene.rigid_object import ObjectQuantity
 
 @dataclass(frozen=True, slots=True)
 class Recorded:
-    """What a run records, and of what: all that the columns depend on.
+    """The bodies and quantities that a run records: all that the columns depend on.
 
-    Manipulators are named and have their chain, in any unit; objects are named. Only columns that
-    match one of the `patterns` are recorded, if there are any.
+    `manipulators` holds names and chains, in any length unit; `objects` holds names. With
+    `patterns`, only columns that match one of them are recorded.
     """
 
     manipulators: tuple[tuple[str, Chain], ...]
@@ -37,11 +37,11 @@ class Recorded:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of manipulators, objects and the ground, as contacts number them."""
+        """The names of manipulators, objects and the ground; a body's number is its index."""
         return (*(name for name, _ in self.manipulators), *self.objects, GROUND_NAME)
 
     def contact_partners(self, number: int) -> tuple[int, ...]:
-        """Return the numbers of what may touch a manipulator or object, in the columns' order."""
+        """Return the numbers of all bodies that can touch body `number`, in the columns' order."""
         count = len(self.manipulators) + len(self.objects) + self.has_ground
         return tuple(other for other in range(count) if other != number)
 
@@ -58,7 +58,7 @@ class BodyColumnGroup:
 
     @property
     def columns(self) -> Columns:
-        """What the columns are."""
+        """The description of the columns."""
         return BODY_COLUMNS[self.quantity]
 
 
@@ -74,7 +74,7 @@ class ObjectColumnGroup:
 
     @property
     def columns(self) -> Columns:
-        """What the columns are."""
+        """The description of the columns."""
         return OBJECT_COLUMNS[self.quantity]
 
 
@@ -82,7 +82,7 @@ ColumnGroup: TypeAlias = BodyColumnGroup | ObjectColumnGroup
 
 
 def column_groups(recorded: Recorded) -> list[ColumnGroup]:
-    """Return what all columns are, in the order of the header."""
+    """Return the groups of all columns, in the order of the header."""
     return [*body_column_groups(recorded), *object_column_groups(recorded)]
 
 
@@ -93,7 +93,7 @@ def header(recorded: Recorded) -> list[str]:
 
 
 def body_column_groups(recorded: Recorded) -> list[BodyColumnGroup]:
-    """Return what the columns of manipulators are, in the order of the header."""
+    """Return the groups of the columns of manipulators, in the order of the header."""
     found: list[BodyColumnGroup] = []
     first = 1
     for number, (owner, chain) in enumerate(recorded.manipulators):
@@ -112,7 +112,7 @@ def body_column_groups(recorded: Recorded) -> list[BodyColumnGroup]:
 
 
 def object_column_groups(recorded: Recorded) -> list[ObjectColumnGroup]:
-    """Return what the columns of objects are, behind those of manipulators."""
+    """Return the groups of the columns of objects, which follow those of manipulators."""
     found: list[ObjectColumnGroup] = []
     first = max((group.last for group in body_column_groups(recorded)), default=1)
     for number, owner in enumerate(recorded.objects):
@@ -131,12 +131,12 @@ def object_column_groups(recorded: Recorded) -> list[ObjectColumnGroup]:
 
 
 def needs_of(groups: Sequence[ColumnGroup]) -> frozenset[Need]:
-    """Return the state that some of the columns need and others do not."""
+    """Return the state that these columns need, of what only some columns need."""
     return frozenset(need for group in groups for need in group.columns.needs)
 
 
 def quaternion_columns(recorded: Recorded) -> Iterator[tuple[int, ...]]:
-    """Yield the columns of every unit quaternion, or what is recorded of it; time is column 0."""
+    """Yield the recorded column numbers of each unit quaternion; time is column 0."""
     for group in column_groups(recorded):
         start = group.columns.quaternion_start
         if start is None:
@@ -149,12 +149,12 @@ def quaternion_columns(recorded: Recorded) -> Iterator[tuple[int, ...]]:
 
 
 def base_pose_names(owner: str) -> list[str]:
-    """Return the columns of the pose of a manipulator's base: position, quaternion."""
+    """Return the column names of the pose of a manipulator's base: position, quaternion."""
     return [f"{owner}.{part}" for part in BODY_COLUMNS["base_pose"].parts]
 
 
 def _pair_names(recorded: Recorded, number: int) -> list[str]:
-    """Return the columns of the force of each partner on a manipulator or object."""
+    """Return the column names of the force of each contact partner on body `number`."""
     names = recorded.names
     return [
         f"contact.{names[other]}.{part}"

@@ -1,4 +1,4 @@
-"""An object as the engine takes it: shapes about its centre of mass, in its principal axes."""
+"""Describe an object for the engine: shapes in the frame of its principal axes of inertia."""
 
 from __future__ import annotations
 
@@ -17,16 +17,20 @@ from somo_cli.manipulator.solids import AnySolid, Box, Cylinder, Sphere
 from somo_cli.manipulator.urdf import number
 
 MAX_SHAPES = 16
-"""Seen in PyBullet 3.2.7: createCollisionShapeArray drops what is more, without a word."""
+"""Seen in PyBullet 3.2.7: createCollisionShapeArray drops further shapes without an error."""
 
-_NEAR = 1e-9  # of the sum of the moments, to which the largest is near their half
-_PRODUCT_TOLERANCE = 1e-12  # of a product of inertia, by the largest moment
+_NEAR = 1e-9  # difference of the largest moment from half the sum of all, divided by the sum
+_PRODUCT_TOLERANCE = 1e-12  # product of inertia that is rounding, divided by the largest moment
 _NO_ROTATION = (0.0, 0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
 class EngineShape:
-    """One collision shape, its pose in the frame of the compound; `obj` is the text of a mesh."""
+    """One collision shape and its pose in the frame of the compound.
+
+    `obj` is the text of a mesh. The length unit is that of the link; a kind ignores the sizes of
+    the others.
+    """
 
     kind: Literal["box", "sphere", "cylinder", "capsule", "mesh"]
     position: Vector = geometry.ZERO
@@ -39,10 +43,11 @@ class EngineShape:
 
 @dataclass(frozen=True, slots=True)
 class Compound:
-    """A body of several shapes, or of one that no URDF of the engine can say exactly.
+    """A body of several shapes, or of one shape that the engine cannot read exactly from a URDF.
 
-    `frame` is that of the principal axes, in the object's. `margin` is what the engine adds
-    around every mesh, in the length unit of the shapes.
+    `frame` is the pose of the principal axes, at the centre of mass, in the object's frame;
+    `moments` are the moments of inertia about these axes. `margin` is the thickness that the engine
+    adds around every mesh, in the length unit of the shapes.
     """
 
     frame: Pose
@@ -53,10 +58,11 @@ class Compound:
 
 
 def is_exact_in_urdf(link: Link) -> bool:
-    """Whether the link is one centred box, cylinder or sphere, which a URDF says exactly.
+    """Return whether the engine reads the link exactly from a URDF.
 
-    Seen in 3.2.7: of a URDF the engine sets an inertia to zero, which keeps the body from turning,
-    where one moment is more than the sum of the others by as little as rounding.
+    It does for one box, cylinder or sphere at the link's origin. Seen in 3.2.7: if one moment of
+    inertia exceeds the sum of the others, if only by rounding, the engine sets the inertia to zero,
+    and the body cannot rotate.
     """
     xx, xy, xz, yy, yz, zz = link.inertial.inertia
     if xy or xz or yz or 2 * max(xx, yy, zz) > (1 - _NEAR) * (xx + yy + zz):
@@ -69,7 +75,7 @@ def is_exact_in_urdf(link: Link) -> bool:
 
 
 def compound_of(link: Link) -> Compound:
-    """Return the link of an object as the engine takes it, in the units of the link."""
+    """Return the link of an object as a compound, in the units of the link."""
     axes, moments = principal_axes(link.inertial.inertia)
     frame = Pose(link.inertial.centre, axes)
     radii = [one.solid.radius for one in link.shapes if isinstance(one.solid, RoundedBox)]
@@ -80,16 +86,16 @@ def compound_of(link: Link) -> Compound:
         frame,
         link.inertial.mass,
         moments,
-        # a rounded box is alone in its body, so the margin is for it only
+        # a rounded box is the only shape of its body, so the margin affects no other
         max(radii, default=0.0),
         tuple(shapes),
     )
 
 
 def _with_hulls_in_one(link: Link, frame: Pose) -> list[EngineShape]:
-    """Return the shapes with all hulls as the named parts of one mesh.
+    """Return the shapes, with all hulls as named parts of one mesh.
 
-    Seen in 3.2.7: each named part of an OBJ becomes a convex shape, however many there are.
+    Seen in 3.2.7: each named part of an OBJ becomes a convex shape, and MAX_SHAPES does not apply.
     """
     hulls = [shape for shape in link.shapes if isinstance(shape.solid, Hull)]
     others = [shape for shape in link.shapes if not isinstance(shape.solid, Hull)]
@@ -108,25 +114,28 @@ def _with_hulls_in_one(link: Link, frame: Pose) -> list[EngineShape]:
 
 
 def _place(shape: Shape, frame: Pose) -> tuple[Vector, Matrix]:
-    """Return position and rotation of a shape in the principal axes."""
+    """Return position and rotation of a shape in the frame of the principal axes."""
     inverse = geometry.transposed(frame.rotation)
     position = geometry.rotate(inverse, geometry.subtract(shape.position, frame.position))
     return position, geometry.multiply(inverse, geometry.rotation_from_rpy(shape.rpy))
 
 
 def shape_count(solids: Sequence[AnySolid]) -> int:
-    """Return how many shapes of the engine these solids are; all hulls of many are one."""
+    """Return how many shapes of the engine these solids need.
+
+    A capsule needs three; beyond MAX_SHAPES all hulls together need one.
+    """
     count = sum(3 if isinstance(solid, Capsule) else 1 for solid in solids)
     hulls = sum(isinstance(solid, Hull) for solid in solids)
     return count if count <= MAX_SHAPES else count - max(0, hulls - 1)
 
 
 def principal_axes(tensor: Tensor) -> tuple[Matrix, Vector]:
-    """Return the principal axes of an inertia, as columns, and the moments about them."""
+    """Return the principal axes of an inertia tensor, as columns, and the moments about them."""
     xx, xy, xz, yy, yz, zz = tensor
     if max(abs(xy), abs(xz), abs(yz)) <= _PRODUCT_TOLERANCE * max(xx, yy, zz):
         return geometry.IDENTITY, (xx, yy, zz)
-    import numpy as np  # slow to load, and few bodies need it
+    import numpy as np  # imported here because it is slow to load and few bodies need it
 
     moments, axes = np.linalg.eigh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     if np.linalg.det(axes) < 0:
@@ -147,8 +156,9 @@ def _engine_shapes(shape: Shape, frame: Pose) -> list[EngineShape]:
     if isinstance(solid, Cylinder):
         return [EngineShape("cylinder", position, turn, solid.radius, solid.length)]
     if isinstance(solid, Capsule):
-        # seen in 3.2.7: a capsule alone touches a plane in one point, which jumps from end to end
-        # as it rolls and speeds it up by a sixth in a second; the balls in its ends hold both
+        # seen in 3.2.7: a capsule alone has one contact point with a plane, which jumps from end
+        # to end while it rolls and speeds it up by a sixth in a second; with a sphere in each end
+        # it has a contact point at both
         along = geometry.rotate(rotation, (0.0, 0.0, solid.length / 2))
         return [
             EngineShape("capsule", position, turn, solid.radius, solid.length),
@@ -156,7 +166,7 @@ def _engine_shapes(shape: Shape, frame: Pose) -> list[EngineShape]:
             EngineShape("sphere", geometry.subtract(position, along), turn, solid.radius),
         ]
     if isinstance(solid, RoundedBox):
-        # the engine's margin is the radius: a ball added to the core, which is the very shape
+        # the core with a margin of the edge radius is exactly the rounded box
         corners = product(*((-half, half) for half in solid.core))
         return [EngineShape("mesh", position, turn, obj=_obj_text(tuple(corners), _BOX_FACES))]
     return [EngineShape("mesh", position, turn, obj=_obj_text(solid.vertices, solid.faces))]

@@ -1,4 +1,4 @@
-"""How bodies touch: the surfaces of manipulators and objects, and the ground."""
+"""Contact properties of the surfaces of manipulators and objects, and of the ground."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from somo_cli.manipulator.dimensions import (
 )
 
 GROUND_NAME = "ground"
-"""What the ground is called where objects are called by their names."""
+"""The name of the ground where bodies are named, as in columns of contacts."""
 
 
 @dataclass(frozen=True, slots=True)
 class ContactCompliance:
-    """A spring and a damper in every point of contact, in place of a hard surface."""
+    """A spring [N/m] and a damper [N·s/m] in every contact point, in place of a rigid contact."""
 
     stiffness: ContactStiffness
     damping: ContactDamping
@@ -29,11 +29,12 @@ class ContactCompliance:
 
 @dataclass(frozen=True, slots=True)
 class ContactSurface:
-    """What a body or a link is like to touch.
+    """The contact properties of a body or a link.
 
-    The friction of a contact is the product of both bodies', as is the restitution. The lever arm
-    of its spinning and rolling friction is a.arm * b.friction + b.arm * a.friction.
-    `friction_anisotropy` are factors of the friction along the link's own axes.
+    The friction coefficient of a contact is the product of those of both bodies, and so is the
+    coefficient of restitution. Spinning and rolling friction are moment arms [m]; that of a contact
+    is a.arm * b.friction + b.arm * a.friction. `friction_anisotropy` has factors on the friction
+    along the axes of the link frame [-].
     """
 
     friction: Number
@@ -46,14 +47,14 @@ class ContactSurface:
 
 @dataclass(frozen=True, slots=True)
 class ManipulatorSurfaces:
-    """The surfaces of a manipulator: its first link, the last of every limb, and those between."""
+    """The surfaces of a manipulator: of its base, of its tip links and of all other links."""
 
     base: ContactSurface
     links: ContactSurface
     tips: ContactSurface
 
     def of_link(self, link: int, chain: Chain) -> ContactSurface:
-        """Return the surface of a link of a chain, 0 the base."""
+        """Return the surface of link number `link` of a chain; 0 is the base."""
         if link == 0:
             return self.base
         is_last = any(link == limb.last_link for limb in chain.backbones)
@@ -61,27 +62,27 @@ class ManipulatorSurfaces:
 
     @property
     def all(self) -> tuple[ContactSurface, ...]:
-        """The three."""
+        """The surfaces of base, other links and tip links."""
         return self.base, self.links, self.tips
 
 
 @dataclass(frozen=True, slots=True)
 class Ground:
-    """The plane z = `height` in the world, which nothing passes from above."""
+    """The plane z = `height` [m] of the world frame; free bodies stay above it."""
 
     height: Length
     surface: ContactSurface
 
 
 DEFAULT_SURFACE = ContactSurface(0.5)
-"""Of a manipulator and an object."""
+"""The surface of manipulators and objects unless the scene gives another."""
 
 DEFAULT_GROUND_SURFACE = ContactSurface(1.0, restitution=1.0)
-"""Where the other body alone decides."""
+"""The surface of the ground unless the scene gives another: the other body alone counts."""
 
 
 def read_surfaces(data: Mapping[str, Any]) -> ManipulatorSurfaces:
-    """Return the surfaces that a sound mapping of a manipulator describes."""
+    """Return the surfaces of a manipulator from a `surface` mapping without errors."""
     whole = read_surface(data)
     base, links, tips = (
         read_surface(data.get(part, {}), whole) for part in ("base", "links", "tips")
@@ -92,7 +93,10 @@ def read_surfaces(data: Mapping[str, Any]) -> ManipulatorSurfaces:
 def read_surface(
     data: Mapping[str, Any], default: ContactSurface = DEFAULT_SURFACE
 ) -> ContactSurface:
-    """Return the surface of a sound mapping, whose other keys are of no interest here."""
+    """Return the surface from a mapping without errors; other keys of it are ignored.
+
+    Properties that the mapping does not give are those of `default`.
+    """
     given: dict[str, Any] = {
         key: float(data[key])
         for key in ("friction", "spinning_friction", "rolling_friction", "restitution")
@@ -108,5 +112,5 @@ def read_surface(
 
 
 def read_ground(data: Mapping[str, Any]) -> Ground:
-    """Return the ground that a sound mapping describes."""
+    """Return the ground from a mapping without errors."""
     return Ground(float(data.get("height", 0)), read_surface(data, DEFAULT_GROUND_SURFACE))

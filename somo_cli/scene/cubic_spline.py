@@ -1,6 +1,7 @@
-"""Slopes of the cubic spline through values over time, twice differentiable.
+"""Compute the slopes of cubic splines through values over time.
 
-As scipy's CubicSpline has them, which takes longer to import than most runs to start.
+The splines are twice continuously differentiable, as those of scipy's CubicSpline. That import
+takes longer than most runs take to start.
 """
 
 from __future__ import annotations
@@ -10,11 +11,11 @@ from itertools import pairwise
 
 
 def clamped_slopes(times: Sequence[float], values: Sequence[float]) -> list[float]:
-    """Return the slope at every time of the spline that is level at both ends."""
+    """Return the slope at every time of the spline whose slope is zero at both ends."""
     widths, chords = _widths_and_chord_slopes(times, values)
     inner = range(1, len(widths))
-    # h_i m_(i-1) + 2 (h_(i-1) + h_i) m_i + h_(i-1) m_(i+1) = 3 (h_i d_(i-1) + h_(i-1) d_i), of
-    # widths h, chords d and slopes m; de Boor, A Practical Guide to Splines, ch. IV
+    # h_i m_(i-1) + 2 (h_(i-1) + h_i) m_i + h_(i-1) m_(i+1) = 3 (h_i d_(i-1) + h_(i-1) d_i), with
+    # widths h, chord slopes d and slopes m; de Boor, A Practical Guide to Splines, ch. IV
     solution = _solve_tridiagonal(
         [widths[i] for i in inner],
         [2 * (widths[i - 1] + widths[i]) for i in inner],
@@ -25,14 +26,14 @@ def clamped_slopes(times: Sequence[float], values: Sequence[float]) -> list[floa
 
 
 def periodic_slopes(times: Sequence[float], values: Sequence[float]) -> list[float]:
-    """Return the slope at every time of the spline that goes on at its end as it began."""
+    """Return the slope at every time of the periodic spline; the first and last slope are equal."""
     widths, chords = _widths_and_chord_slopes(times, values)
     n = len(widths)
     if n == 1:
         return [0.0, 0.0]
-    # the same equations around the circle, index -1 being the last: of a tridiagonal matrix and
-    # two corners, which are u vᵀ with u = (c, 0, ..., h_-2) and v = (1, 0, ..., h_0 / c); the
-    # inverse of the sum is that of Sherman and Morrison
+    # the same equations with periodic indices: a tridiagonal matrix plus two corner elements,
+    # which are u vᵀ with u = (c, 0, ..., h_-2) and v = (1, 0, ..., h_0 / c); the formula of
+    # Sherman and Morrison inverts the sum
     diagonal = [2 * (widths[i - 1] + widths[i]) for i in range(n)]
     c = -diagonal[0]
     share = widths[0] / c
@@ -61,9 +62,9 @@ def _solve_tridiagonal(
     above: Sequence[float],
     right_side: list[float],
 ) -> list[float]:
-    """Solve a tridiagonal system whose diagonal outweighs the rest of every row.
+    """Return the solution of a tridiagonal system with a diagonally dominant matrix.
 
-    All of one length: `below[0]` and the last of `above` stand outside the matrix.
+    All arguments have the same length; `below[0]` and `above[-1]` are not used.
     """
     pivots, solution = list(diagonal), list(right_side)
     for i in range(1, len(solution)):

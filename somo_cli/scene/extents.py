@@ -1,4 +1,4 @@
-"""How high and how low the shapes of a link reach."""
+"""Compute the lowest and the highest point of shapes in the world."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 
 MAX_RELATIVE_DEPTH = 1e-3
-"""The overlap, relative to a body's length, that the engine resolves without a jerk."""
+"""The largest overlap, divided by a body's length, that the engine resolves smoothly."""
 
 
 def min_height(shape: Shape, link: Pose) -> float:
-    """Return the lowest height [m] of a shape of a link that has this pose in the world."""
+    """Return the lowest z [m] of a shape in the world, for a link with this pose in the world."""
     height, (x, y, z) = _height_and_up(shape, link)
     return height - shape.solid.reach((-x, -y, -z))
 
 
 def max_height(shape: Shape, link: Pose) -> float:
-    """Return the greatest height [m] of a shape of a link that has this pose in the world."""
+    """Return the highest z [m] of a shape in the world, for a link with this pose in the world."""
     height, up = _height_and_up(shape, link)
     return height + shape.solid.reach(up)
 

@@ -1,4 +1,4 @@
-"""Put the texts of meshes and URDFs in place of the paths that objects of a scene give."""
+"""Replace the paths of meshes and URDFs in the objects of a scene by their texts."""
 
 from __future__ import annotations
 
@@ -18,15 +18,16 @@ _MESHES = (("objects", "*", "mesh"), ("objects", "*", "mesh", "*"))
 _URDFS = (("objects", "*", "urdf"),)
 _MESHES_OF_URDFS = (("objects", "*", "urdf", "meshes", "*"),)
 FILE_POINTERS: tuple[tuple[str, ...], ...] = (*_MESHES, *_URDFS, *_MESHES_OF_URDFS)
-"""Where an object may name a file instead of holding its text."""
+"""The places where an object may name a file instead of holding its text."""
 
 
 def include_object_files(
     document: Document, open_text: Callable[..., tuple[str, str]]
 ) -> tuple[Document, tuple[Problem, ...]]:
-    """Put a mapping of source and text in place of every path; return the errors as well.
+    """Return the document with every path replaced by a mapping of source and text, and the errors.
 
-    `open_text` is `files.open_reference`. A URDF may name meshes in the folder of the scene.
+    `open_text` is `files.open_reference`. Paths of meshes in a URDF are relative to the URDF, and
+    may lead into the folder of the scene.
     """
     open_mesh = partial(open_text, largest=MAX_MESH_BYTES, is_binary=True)
     open_mesh_of_urdf = partial(open_mesh, root=document.source)
@@ -37,7 +38,7 @@ def include_object_files(
 
 
 def _mesh(text: str, source: str, naming: Span) -> Document:
-    # errors in a mesh are reported where it is named: nobody reads the lines of a mesh
+    # errors in a mesh are reported where the scene names it: nobody reads the lines of a mesh
     return Document(
         source, {"source": source, "text": text}, {source: text}, {(): (naming, naming)}
     )
@@ -53,9 +54,9 @@ def _urdf(text: str, source: str, naming: Span) -> Document:
 
 
 def with_pieces(document: Document, pieces: Callable[[str, str], str | None]) -> Document:
-    """Return the document with convex pieces beside each mesh of objects with hulls: decompose.
+    """Return the document with convex pieces added to each mesh of objects with hulls: decompose.
 
-    `pieces(text, source)` returns them as an OBJ text, or None if there are none.
+    `pieces(text, source)` returns the pieces as an OBJ text, or None if it cannot compute them.
     """
     data = document.data
     if not isinstance(data, dict) or not isinstance(data.get("objects"), list):

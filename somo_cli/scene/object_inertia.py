@@ -1,4 +1,4 @@
-"""Mass and inertia of an object that a URDF describes: the file's, or those of its shapes."""
+"""Compute mass and inertia of an object that a URDF describes: of the file, or of its shapes."""
 
 from __future__ import annotations
 
@@ -12,22 +12,23 @@ from somo_cli.scene.urdf_rigid_body import UrdfLink, UrdfRigidBody
 
 
 def takes_solid(data: Mapping[str, Any]) -> bool:
-    """Whether an object takes the inertia of its shapes in place of the file's."""
+    """Return whether an object has the inertia of its filled shapes, not that of the file."""
     return bool(data.get("inertia") == "solid")
 
 
-def needs_no_mass(data: Mapping[str, Any]) -> bool:
-    """Whether the object says its mass itself, so that no mass of the file counts."""
+def has_own_mass(data: Mapping[str, Any]) -> bool:
+    """Return whether the scene gives the object a mass or density, in place of the file's mass."""
     return "mass" in data or "density" in data
 
 
 def urdf_inertial(body: UrdfRigidBody, data: Mapping[str, Any]) -> Inertial | None:
-    """Return the inertial of the whole in the frame of the root link; None without any mass.
+    """Return mass [kg], centre of mass [m] and inertia [kg·m²] in the root link's frame.
 
-    With `inertia: solid` the mass of each link fills its shapes evenly; with a mass or a density
-    of the object, that fills the shapes of all. Inertias of the file are the nearest possible.
+    With `inertia: solid` the mass of each link fills its shapes evenly. If the scene gives a mass
+    or density as well, it fills the shapes of all links evenly. An inertia of the file that no body
+    can have is replaced by the nearest possible one. Returns None if no link has a mass.
     """
-    if takes_solid(data) and needs_no_mass(data):
+    if takes_solid(data) and has_own_mass(data):
         parts = [link.filled for link in body.links if link.filled is not None]
         if not parts:
             return None
@@ -39,7 +40,7 @@ def urdf_inertial(body: UrdfRigidBody, data: Mapping[str, Any]) -> Inertial | No
 
 
 def with_mass(inertial: Inertial, mass: float) -> Inertial:
-    """Return the same body of another density, with this mass [kg]."""
+    """Return the inertial of the same body with another density, so that it has this mass [kg]."""
     factor = mass / inertial.mass
     xx, xy, xz, yy, yz, zz = (factor * value for value in inertial.inertia)
     return Inertial(mass, inertial.centre, (xx, xy, xz, yy, yz, zz))
@@ -47,7 +48,7 @@ def with_mass(inertial: Inertial, mass: float) -> Inertial:
 
 def _of_link(link: UrdfLink, is_solid: bool) -> Inertial:
     declared = link.declared
-    assert declared is not None, "only links with a mass are asked"
+    assert declared is not None, "only links with a mass are passed"
     if is_solid and link.filled is not None:
         return with_mass(link.filled, declared.mass)
     return Inertial(declared.mass, declared.centre, nearest_possible(declared.inertia))

@@ -1,4 +1,4 @@
-"""What an object is made of: its shapes and its inertia, in its frame."""
+"""Read the shapes and the inertia of an object, in its frame."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     from somo_cli.scene.mesh import MeshProperties
     from somo_cli.scene.urdf_rigid_body import UrdfRigidBody
 
-PLACEHOLDER_MASS = 1.0  # kg, of what cannot move and so needs none
+PLACEHOLDER_MASS = 1.0  # kg, of objects that cannot move and so need no mass
 _DEFAULT_MATERIAL = Material("object", (0.8, 0.6, 0.3, 1.0))
 
 
 def object_link(data: Mapping[str, Any]) -> Link:
-    """Return the one link of the object that a sound mapping describes."""
+    """Return the only link of an object, from a mapping without errors."""
     found = _link(data)
     if "material_color" not in data:
         return found
@@ -43,7 +43,7 @@ def _link(data: Mapping[str, Any]) -> Link:
 
 
 def solid_from_dimensions(data: Mapping[str, Any]) -> Solid | Capsule | RoundedBox:
-    """Return the solid of a `shape_type` that has `dimensions`."""
+    """Return the solid of an object whose `shape_type` needs `dimensions` [m]."""
     dimensions = [float(value) for value in data["dimensions"]]
     if data["shape_type"] == "capsule":
         return Capsule(dimensions[0], dimensions[1])
@@ -53,12 +53,12 @@ def solid_from_dimensions(data: Mapping[str, Any]) -> Solid | Capsule | RoundedB
 
 
 def measured_meshes(data: Mapping[str, Any]) -> list[MeshProperties]:
-    """Return what is known of each mesh of an object. Raises MeshError."""
+    """Return hulls and mass properties of each mesh of an object. Raises MeshError."""
     return [measured_mesh(data, one) for one in mesh_files(data["mesh"])]
 
 
 def measured_mesh(data: Mapping[str, Any], file: Mapping[str, Any]) -> MeshProperties:
-    """Return what is known of one mesh file of an object. Raises MeshError."""
+    """Return hulls and mass properties of one mesh file of an object. Raises MeshError."""
     from somo_cli.scene.mesh import mesh_properties
 
     scale, hulls = mesh_axis_factors(data), data.get("hulls")
@@ -66,18 +66,18 @@ def measured_mesh(data: Mapping[str, Any], file: Mapping[str, Any]) -> MeshPrope
 
 
 def mesh_files(value: Any) -> list[Mapping[str, Any]]:
-    """Return the files of `mesh`, which is one or a list."""
+    """Return the files of the key `mesh`, whose value is one file or a list of files."""
     return value if isinstance(value, list) else [value]
 
 
 def mesh_axis_factors(data: Mapping[str, Any]) -> geometry.Vector:
-    """Return the factors on the axes of a mesh."""
+    """Return the scale factors of a mesh along its axes [-]."""
     scale = data.get("mesh_scale", 1)
     return geometry.vector(scale if isinstance(scale, list) else [scale] * 3)
 
 
 def object_urdf_body(data: Mapping[str, Any]) -> UrdfRigidBody:
-    """Return what the URDF of an object says, and its faults."""
+    """Return the rigid body that the URDF of an object describes, with the errors in the URDF."""
     from somo_cli.scene import urdf_rigid_body, urdf_xml
     from somo_cli.scene.mesh import MeshFile
 
@@ -88,7 +88,7 @@ def object_urdf_body(data: Mapping[str, Any]) -> UrdfRigidBody:
         for one in file.get("meshes", ())
         if isinstance(one, Mapping)
     ]
-    # each name stands for the file at its place
+    # `mesh_filenames` and `meshes` list the same files in the same order
     meshes = dict(zip(names, read, strict=True)) if len(read) == len(names) else {}
     text, source = file["text"], file["source"]
     return urdf_rigid_body.read_rigid_body(text, source, meshes, data.get("hulls"))
@@ -99,7 +99,7 @@ def placed_shape(
     position: geometry.Vector = geometry.ZERO,
     rpy: geometry.Vector = geometry.ZERO,
 ) -> Shape:
-    """Return a shape of an object: the solid at a pose in the object's frame."""
+    """Return the solid as a shape at this position [m] and rpy [rad] in the object's frame."""
     return Shape(solid, position, rpy, _DEFAULT_MATERIAL, 1.0)
 
 
@@ -107,10 +107,9 @@ def _link_of_meshes(data: Mapping[str, Any]) -> Link:
     from somo_cli.scene.object_inertia import with_mass
 
     parts = measured_meshes(data)
-    solid = [
-        one.mesh_inertial or one.hull_inertial for one in parts
-    ]  # an open one is fixed, and has no weight
-    whole = solids.lumped(tuple(solid))
+    # only a fixed object may have an open mesh, and its mass does not matter
+    inertials = [one.mesh_inertial or one.hull_inertial for one in parts]
+    whole = solids.lumped(tuple(inertials))
     mass = _mass(data, whole.mass)
     shapes = tuple(placed_shape(hull) for one in parts for hull in one.hulls)
     return Link("object", with_mass(whole, mass), shapes)
@@ -122,7 +121,7 @@ def _link_of_urdf(data: Mapping[str, Any]) -> Link:
     body = object_urdf_body(data)
     shapes = tuple(placed_shape(one.solid, one.position, one.rpy) for one in body.solids)
     inertial = urdf_inertial(body, data)
-    if inertial is None:  # so it is fixed
+    if inertial is None:  # only a fixed object may have no mass
         ball = solids.Sphere(1.0).inertia(PLACEHOLDER_MASS)
         inertial = Inertial(PLACEHOLDER_MASS, geometry.ZERO, ball)
     return Link("object", inertial, shapes)

@@ -1,4 +1,4 @@
-"""Objects that stand on others: their heights, from the shapes of both."""
+"""Compute the heights of objects that stand on the ground or on other objects."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from somo_cli.scene.rigid_object import RigidObject
 
 
 def with_heights(objects: Sequence[RigidObject], ground: Ground | None) -> tuple[RigidObject, ...]:
-    """Return the objects with the height of every one that has a place [m], in their order.
+    """Return the objects in the same order, with the position of each `place` computed [m].
 
-    The order does not matter to what stands on what, which must be known and not go round in a
-    circle.
+    An object may stand on one that comes later in the list. Every support must exist, and no object
+    may stand on itself, directly or through others.
     """
     by_name = {one.name: one for one in objects}
     by_name_placed: dict[str, RigidObject] = {}
@@ -30,7 +30,7 @@ def with_heights(objects: Sequence[RigidObject], ground: Ground | None) -> tuple
 
     def top_of(name: str) -> float:
         if name == GROUND_NAME and name not in by_name:
-            assert ground is not None, "it was judged"
+            assert ground is not None, "the checks report a missing ground"
             return ground.height
         return max(_heights(placed(by_name[name]), max_height))
 

@@ -1,7 +1,8 @@
-"""Whether a body can have an inertia, and the nearest one that it can have.
+"""Check whether a body can have an inertia, and compute the nearest possible one.
 
-No principal moment is more than the sum of the other two: with the second moments s of the mass
-along the principal axes, moments are s2 + s3, s1 + s3 and s1 + s2, and no s is below 0.
+No principal moment of inertia exceeds the sum of the other two. With the second moments s of the
+mass along the principal axes, the moments of inertia are s2 + s3, s1 + s3 and s1 + s2, and no s is
+negative.
 """
 
 from __future__ import annotations
@@ -11,14 +12,14 @@ from somo_cli.manipulator.geometry import Tensor, Vector
 from somo_cli.scene.compound import principal_axes
 
 ROUNDING = 0.005
-"""Of the sum of the moments: what three digits leave open. Each is wrong by half a unit of the
-third digit at most, which is 0.5 % of it."""
+"""The rounding error of moments given with three digits, divided by their sum. Each is wrong by at
+most half a unit of its third digit, which is 0.5 % of it."""
 
 
 def impossibility(inertia: Tensor) -> str:
-    """Return why no body has an inertia [kg·m²], with the numbers; empty if one has.
+    """Return why no body can have an inertia [kg·m²], with numbers; empty if one can.
 
-    What three digits may have rounded away is none, and a moment of 0, as of a point, neither.
+    Rounding to three digits is accepted, and so is a moment of 0, which a point mass has.
     """
     a, b, c = geometry.principal_moments(inertia)
     if a < -ROUNDING * abs(c):
@@ -30,13 +31,13 @@ def impossibility(inertia: Tensor) -> str:
 
 
 def is_rounded(inertia: Tensor) -> bool:
-    """Whether the largest principal moment is more than the sum of the others, by any amount."""
+    """Return whether the largest principal moment exceeds the sum of the others at all."""
     a, b, c = geometry.principal_moments(inertia)
     return c - a - b > 1e-12 * c
 
 
 def nearest_possible(inertia: Tensor) -> Tensor:
-    """Return the inertia, or the nearest one that a body has, with second moments of 0 or more."""
+    """Return the inertia [kg·m²], with negative second moments of the mass set to 0."""
     if not is_rounded(inertia):
         return inertia
     axes, moments = principal_axes(inertia)
@@ -46,6 +47,6 @@ def nearest_possible(inertia: Tensor) -> Tensor:
 
 
 def described(inertia: Tensor) -> str:
-    """Return the principal moments in words, such as "[1, 2, 2.5] kg·m²"."""
+    """Return the principal moments as text, such as "[1, 2, 2.5] kg·m²"."""
     moments: Vector = geometry.principal_moments(inertia)
     return "[" + ", ".join(f"{moment:.3g}" for moment in moments) + "] kg·m²"

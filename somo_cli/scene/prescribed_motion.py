@@ -1,4 +1,4 @@
-"""Prescribed motion: how a base or an object is led through the world, over time."""
+"""Prescribed motion: the pose of a base or an object in the world over time."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ POSITION_CHANNELS, POSE_CHANNELS = 3, 6
 
 @dataclass(frozen=True, slots=True)
 class PrescribedMotion:
-    """Displacement and rotation over time: [time, three numbers], in the world's axes.
+    """Translation and rotation over time, along the axes of the world frame.
 
     The rotation is by roll, pitch and yaw, or by unit `quaternions` (x, y, z, w) if there are any,
     about the point `about` of the world, or about the own origin; the displacement comes after it,
@@ -86,7 +86,7 @@ class PrescribedMotion:
 
 @dataclass(frozen=True, slots=True)
 class PosePath:
-    """The pose of a frame at every time: `start` turned about a point, then displaced."""
+    """The pose of a frame over time: `start`, rotated about the point `about`, then translated."""
 
     start: Pose
     about: Vector
@@ -114,7 +114,7 @@ class PosePath:
         )
 
     def stationary_until(self, time: float, step: float) -> float:
-        """Return the time [s] up to which the pose a step later is that at `time`."""
+        """Return the time [s] until which the pose one step later still equals that at `time`."""
         return max(time, self.constant_until(time) - step)
 
     def _pose(self, displacement: Vector, turn: Matrix | None) -> Pose:

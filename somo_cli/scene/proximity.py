@@ -1,4 +1,4 @@
-"""Whether anything in a scene can be in anything else at the start, told without an engine."""
+"""Find out without an engine whether bodies of a scene can overlap at the start."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from somo_cli.scene.model import Scene
 from somo_cli.scene.placement import with_heights
 
 BoundingBox = tuple[tuple[float, float], ...]
-"""The lowest and the highest coordinate [m] along x, y and z of the world."""
+"""The lowest and the highest coordinate [m] along x, y and z of the world frame."""
 
-# the world rotated so that its x, its y and its z axis points upwards
+# rotations of the world that turn its x, its y and its z axis upwards
 _AXIS_UP_ROTATIONS: tuple[Matrix, ...] = (
     ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)),
     ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
@@ -25,7 +25,10 @@ _AXIS_UP_ROTATIONS: tuple[Matrix, ...] = (
 
 
 def can_overlap_at_start(scene: Scene) -> bool:
-    """Whether boxes around two parts of a scene meet, or one around a part and the ground."""
+    """Return whether the bounding boxes of two bodies intersect, or one reaches into the ground.
+
+    Pairs of bodies that both have a prescribed pose do not count.
+    """
     boxes: list[tuple[BoundingBox, bool]] = []
     for one in scene.manipulators:
         boxes.append((bounding_box(one.compiled.chain, one.initial_angles, one.pose), False))
@@ -45,13 +48,13 @@ def can_overlap_at_start(scene: Scene) -> bool:
         return True
     return any(
         _boxes_intersect(one, other)
-        for (one, has_prescribed_pose), (other, is_other_held) in itertools.combinations(boxes, 2)
-        if not (has_prescribed_pose and is_other_held)
+        for (one, is_prescribed), (other, is_other_prescribed) in itertools.combinations(boxes, 2)
+        if not (is_prescribed and is_other_prescribed)
     )
 
 
 def bounding_box(chain: Chain, angles: Sequence[float], base: Pose) -> BoundingBox:
-    """Return the box around a chain at these joint angles [rad]; not a number without shapes."""
+    """Return the bounding box of a chain at these joint angles [rad]; NaN if it has no shapes."""
     poses = link_poses(chain, angles, base)
     shapes = [
         (shape, pose)

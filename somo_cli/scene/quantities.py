@@ -1,4 +1,4 @@
-"""What can be recorded: one row for each quantity of a manipulator and of an object.
+"""The quantities that can be recorded of manipulators and objects, one row for each.
 
 A new quantity is a row here, a name in the schema, and a function of its values in
 `simulation/recording`.
@@ -15,10 +15,10 @@ from somo_cli.scene.model import Quantity, limbs_by_tip_name
 from somo_cli.scene.rigid_object import ObjectQuantity
 
 Need: TypeAlias = Literal["base_pose", "velocities", "contacts"]
-"""State that only some columns need: the pose of the base, velocities of the instant, contacts."""
+"""State that only some columns need: the base's pose, velocities at the row's time, contacts."""
 
 Owners: TypeAlias = Callable[[Chain], Sequence[str]]
-"""Returns what of a chain has columns of its own, such as its joints."""
+"""Returns the names of the parts of a chain that have their own columns, such as its joints."""
 
 _XYZ = ("x_m", "y_m", "z_m")
 _XYZW = ("qx", "qy", "qz", "qw")
@@ -27,7 +27,7 @@ FORCE_AND_FRICTION = (
     *_TOTAL_FORCE,
     *("friction_n", "friction_x_n", "friction_y_n", "friction_z_n"),
 )
-"""The columns of one contact force: in the world frame, its normal part, its friction."""
+"""The columns of one contact force [N]: in the world frame, its normal part, its friction."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,9 +35,9 @@ class Columns:
     """The columns of one quantity.
 
     Each owner has a column for each of the `parts`, whose names end with their unit; a quantity
-    without owners has one set of them. `unit` is that of its error, which is told of vectors of
-    `vector` columns by their length. From column `quaternion_start` on there are unit quaternions,
-    four columns each.
+    without owners has one column for each part. `unit` is that of the error of the quantity. The
+    error of `vector` columns together is the length of their difference. From column
+    `quaternion_start` on the columns are unit quaternions of four columns each.
     """
 
     parts: tuple[str, ...]
@@ -48,14 +48,14 @@ class Columns:
     quaternion_start: int | None = None
 
     def names(self, chain: Chain) -> list[str]:
-        """Return the names of the columns, without that of the manipulator."""
+        """Return the names of the columns, without the prefix of the manipulator."""
         if self.owners is None:
             return list(self.parts)
         return [f"{owner}.{part}" for owner in self.owners(chain) for part in self.parts]
 
 
 def channels(chain: Chain) -> list[tuple[int, int]]:
-    """Return (actuator, axis) of every column of actuation, in their order."""
+    """Return (actuator, axis) for each column of actuation, in the order of the columns."""
     return sorted({(joint.actuator, joint.channel) for joint in chain.joints})
 
 
@@ -112,7 +112,7 @@ BODY_COLUMNS: dict[Quantity, Columns] = {
         _prefixed("contact", FORCE_AND_FRICTION), "N", _links, _CONTACTS
     ),
 }
-"""What can be recorded of a manipulator; the columns of pairs depend on the whole scene."""
+"""The quantities of a manipulator; the columns of contact pairs depend on the whole scene."""
 
 OBJECT_COLUMNS: dict[ObjectQuantity, Columns] = {
     "pose": Columns(_prefixed("pose", _XYZ + _XYZW), "m", vector=3, quaternion_start=3),
@@ -128,4 +128,4 @@ OBJECT_COLUMNS: dict[ObjectQuantity, Columns] = {
     "contact_force": Columns(_prefixed("contact", _TOTAL_FORCE), "N", needs=_CONTACTS),
     "contact_pairs": Columns((), "N", needs=_CONTACTS),
 }
-"""What can be recorded of an object."""
+"""The quantities of an object."""

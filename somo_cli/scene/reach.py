@@ -1,4 +1,4 @@
-"""Whether anything in a scene can ever touch anything, told by how far its parts reach."""
+"""Find out whether bodies of a scene can ever touch, from how far they reach."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import itertools
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.dimensions import Dimension
-from somo_cli.manipulator.kinematics import ways
+from somo_cli.manipulator.kinematics import max_distances
 from somo_cli.scene.model import Scene
 from somo_cli.scene.placement import with_heights
 
@@ -15,10 +15,11 @@ CONTACT_MARGIN = 0.02  # engine units; seen in 3.2.7: contact begins 0.004 units
 
 
 def can_touch(scene: Scene) -> bool:
-    """Whether two parts of a scene may come to touch, wherever their joints go.
+    """Return whether two bodies of a scene may touch, whatever their joint angles are.
 
-    False only where no two can: every base is static, every object fixed, and the spheres within
-    which manipulators stay, whatever their joints do, are clear of each other, objects and ground.
+    The result is False only if no two bodies can touch. All bases are then static and all objects
+    fixed, and the sphere that a manipulator cannot leave intersects no other manipulator's sphere,
+    no object and not the ground.
     """
     if any(one.has_self_collision for one in scene.manipulators):
         return True
@@ -46,11 +47,11 @@ def can_touch(scene: Scene) -> bool:
 
 
 def reach(chain: Chain) -> float:
-    """Return how far from its base frame's origin any shape of a chain can get [m], at most."""
+    """Return the largest distance [m] of a chain's shapes from the base frame's origin."""
     return max(
         (
-            way + geometry.norm(shape.position) + shape.solid.circumradius
-            for way, link in zip(ways(chain), chain.links, strict=True)
+            distance + geometry.norm(shape.position) + shape.solid.circumradius
+            for distance, link in zip(max_distances(chain), chain.links, strict=True)
             for shape in link.shapes
         ),
         default=0.0,

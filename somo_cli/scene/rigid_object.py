@@ -1,4 +1,4 @@
-"""Objects of a scene, fixed or free: rigid bodies, which nothing of ours drives."""
+"""Objects of a scene: rigid bodies that are fixed, free or moved by a prescribed motion."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ ObjectQuantity = Literal["pose", "velocity", "angles", "contact_force", "contact
 
 @dataclass(frozen=True, slots=True)
 class Placement:
-    """What an object stands on, ground or another object by its name, and how far above it."""
+    """The name of what an object stands on, ground or another object, and the gap [m] above it."""
 
     on: str
     gap: Length
@@ -33,10 +33,10 @@ class Placement:
 
 @dataclass(frozen=True, slots=True)
 class RigidObject:
-    """An object: a chain of one link, and how it starts, in the world.
+    """An object: a chain of one link, and its state at the start in the world frame.
 
-    The pose is that of its frame, the velocity that of its centre of mass. With a place the height
-    of its position is not yet known; see `placing`.
+    `position` and `rpy` are those of the object's frame; `linear_velocity` is that of its centre of
+    mass. With a `placement`, `scene.placement` computes the z of the position later.
     """
 
     name: str
@@ -50,28 +50,28 @@ class RigidObject:
     motion: PrescribedMotion | None = None
     placement: Placement | None = None
     collides: bool = True
-    """Whether anything can touch it; if not, it is drawn and recorded only."""
+    """Whether other bodies can touch the object; if not, it is only drawn and recorded."""
 
     @property
     def pose(self) -> Pose:
-        """The pose of its frame in the world, at the start."""
+        """The pose of the object's frame in the world at the start."""
         return Pose.of(self.position, self.rpy)
 
     @property
     def has_prescribed_pose(self) -> bool:
-        """Whether nothing that touches it moves it."""
+        """Whether contact cannot move the object: it is fixed or has a prescribed motion."""
         return self.is_fixed or self.motion is not None
 
 
 def read_placement(data: Mapping[str, Any]) -> Placement:
-    """Return the place that a sound mapping describes."""
+    """Return the placement from a `place` mapping without errors."""
     return Placement(str(data["on"]), float(data.get("gap", 0)))
 
 
 def read_object(
     data: Mapping[str, Any], trajectories: Mapping[str, Trajectory] | None = None
 ) -> RigidObject:
-    """Return the object that a sound mapping describes, in a scene with these trajectories."""
+    """Return the object from a mapping without errors, in a scene with these trajectories."""
     name = str(data["name"])
     motion = read_motion(data["motion"], trajectories) if "motion" in data else None
     position, rpy = start_pose_of(data, motion)

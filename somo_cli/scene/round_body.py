@@ -1,4 +1,4 @@
-"""Round links, of cylinders, capsules and balls with one radius on one axis, and their contact."""
+"""Contact of round links: cylinders, capsules and spheres with one radius and one axis."""
 
 from __future__ import annotations
 
@@ -11,21 +11,24 @@ from somo_cli.manipulator.round_solids import Capsule
 from somo_cli.manipulator.solids import Cylinder, Sphere
 
 FLAT = 0.2
-"""The sine of the angle between axis and normal below which a cylinder stands on its face."""
+"""A cylinder stands on its face if the sine of the angle between axis and normal is smaller."""
 ROUNDING = 1e-9
-"""Deviations that are rounding, relative to a radius."""
+"""The largest deviation that is rounding, divided by the radius."""
 
 
 @dataclass(frozen=True, slots=True)
 class RoundBody:
-    """A cylinder, a capsule or, without an axis, a ball: its centre and axis in a frame."""
+    """A cylinder, a capsule or, without an axis, a sphere: its centre, unit axis and radius.
+
+    Vectors are in the frame and the radius is in the length unit of the caller.
+    """
 
     centre: Vector
     axis: Vector | None
     radius: float
 
     def seen_from(self, origin: Vector, axes: Matrix) -> RoundBody:
-        """Return the body in a frame with this origin and rotation in the present frame."""
+        """Return the body in another frame, whose origin and axes are given in the present one."""
         back = geometry.transposed(axes)
         axis = None if self.axis is None else geometry.rotate(back, self.axis)
         return RoundBody(
@@ -33,7 +36,7 @@ class RoundBody:
         )
 
     def has_in_line(self, other: RoundBody) -> bool:
-        """Whether another round body has the same radius and axis."""
+        """Return whether another round body has the same radius and lies on the same axis."""
         away = geometry.subtract(other.centre, self.centre)
         if self.axis is not None:
             away = geometry.subtract(
@@ -45,9 +48,10 @@ class RoundBody:
         return apart <= ROUNDING * self.radius
 
     def offset_to_line(self, point: Vector, normal: Vector) -> Vector:
-        """Return the vector from a contact point to the line on which the body stands.
+        """Return the vector from a contact point to the line of contact of the body's round side.
 
-        Zero on a face. All in the frame of the body; `normal` is a unit vector towards the body.
+        It is zero if the body stands on its face. `point`, `normal` and the result are in the frame
+        of the body's centre and axis; `normal` is a unit vector towards the body.
         """
         seen = geometry.subtract(point, self.centre)
         out, along = normal, 0.0
@@ -66,7 +70,7 @@ class RoundBody:
 
 
 def round_body_of(link: Link) -> RoundBody | None:
-    """Return the round body that the shapes of a link form, in its frame; None for other links."""
+    """Return the round body that all shapes of a link form, in the link frame, else None."""
     found = [_round_of(shape) for shape in link.shapes]
     rounds = [one for one in found if one is not None]
     if not rounds or len(rounds) < len(found):

@@ -1,4 +1,4 @@
-"""A value over time: piecewise cubic and held at both ends, or a wave that never ends."""
+"""Values over time: piecewise cubic and constant beyond both ends, or a wave that never ends."""
 
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ Interpolation = Literal["step", "linear", "cubic"]
 WaveShape = Literal["sine", "triangle", "square", "trapezoid"]
 
 TWO_PI = 2 * math.pi  # rad
-NO_CHANGE = (0.0, 0.0, 0.0)  # coefficients of 1, s, s², s³ but the first, where nothing changes
+NO_CHANGE = (0.0, 0.0, 0.0)  # coefficients of s, s² and s³ of a constant piece
 
 
 class Signal(Protocol):
-    """Anything with a value at every time."""
+    """A value at every time."""
 
     def at(self, time: float) -> float:
         """Return the value at a time [s]."""
 
     def constant_until(self, time: float) -> float:
-        """Return the time [s] up to which the value stays what it is at `time`."""
+        """Return the time [s] until which the value stays as it is at `time`."""
 
     @property
     def constant_from(self) -> float:
-        """The time [s] from which on the value is held; 0 if it goes on for ever."""
+        """The time [s] after which the value is constant; 0 if it never becomes constant."""
 
 
 @dataclass(frozen=True, slots=True)
 class PiecewiseSignal:
-    """Values between `times` [s]; `pieces[i]` holds the coefficients of 1, s, s², s³ on piece i.
+    """A piecewise cubic; `pieces[i]` holds the coefficients of 1, s, s², s³ from `times[i]` [s] on.
 
-    s is the time since `times[i]`. The last piece begins at the last time and is constant. With a
-    `period` the signal repeats from time zero.
+    s is the time since `times[i]` [s]. The last piece is constant. With a `period` [s] the signal
+    repeats from time zero.
     """
 
     times: tuple[float, ...]
@@ -62,13 +62,13 @@ class PiecewiseSignal:
 
     @property
     def constant_from(self) -> float:
-        """The time [s] from which on the value is held; 0 if it goes on for ever."""
+        """The time [s] after which the value is constant; 0 if the signal repeats."""
         return 0.0 if self.period is not None else self.times[-1]
 
     def constant_until(self, time: float) -> float:
-        """Return the time [s] up to which the value stays what it is at `time`.
+        """Return the time [s] until which the value stays as it is at `time`.
 
-        That is `time` itself where the value is changing, infinity where it never changes again.
+        It is `time` itself if the value is changing, infinity if it never changes again.
         """
         index = bisect_right(self.times, time) - 1
         if self.period is None and index >= 0 and self.pieces[index][1:] != NO_CHANGE:
@@ -84,11 +84,11 @@ class PiecewiseSignal:
 
 @dataclass(frozen=True, slots=True)
 class Wave:
-    """offset + amplitude * shape(2 π frequency t + phase), from the start on and for ever.
+    """The wave offset + amplitude * shape(2 π frequency t + phase), which never ends.
 
-    The shapes start at zero and rise, like a sine, to 1; a square is 1 in its first half. A
-    trapezoid takes `rise`, at most half a period, from -1 to 1 and as much back; with a half it is
-    a triangle. Frequency in Hz, phase in rad.
+    `frequency` is in Hz and `phase` in rad. Like a sine, each shape starts at zero and rises to 1;
+    a square is 1 in its first half period. A trapezoid rises from -1 to 1 in the part `rise` of its
+    period, at most 0.5, and falls in the same time; with 0.5 it is a triangle.
     """
 
     shape: WaveShape
@@ -101,24 +101,24 @@ class Wave:
     def at(self, time: float) -> float:
         """Return the value at a time [s]."""
         turns = (self.frequency * time + self.phase / TWO_PI) % 1.0
-        if self.shape == "sine":  # most are, and a call costs as much as the rest
+        if self.shape == "sine":  # the most frequent shape, without another function call
             return self.offset + self.amplitude * math.sin(TWO_PI * turns)
         return self.offset + self.amplitude * self._unit_shape(turns)
 
     def constant_until(self, time: float) -> float:
-        """Return the time [s] up to which the value stays what it is at `time`."""
+        """Return the time [s] until which the value stays as it is at `time`."""
         if self.amplitude == 0 or self.frequency == 0:
             return math.inf
         if self.shape != "square":
             return time
         half_turns = 2 * (self.frequency * time + self.phase / TWO_PI)
-        # a little early rather than late: the next time of asking is then on the other side
+        # a little too early, so that the next call is never made too late
         until = time + (math.floor(half_turns) + 1 - half_turns) / (2 * self.frequency)
         return until - 1e-12 * abs(until)
 
     @property
     def constant_from(self) -> float:
-        """The time [s] from which on the value is held: 0, since it goes on for ever."""
+        """0: a wave never becomes constant."""
         return 0.0
 
     def _unit_shape(self, turns: float) -> float:
@@ -133,9 +133,9 @@ class Wave:
 def piecewise_signal(
     waypoints: Sequence[tuple[float, float]], interpolation: Interpolation, repeat: bool
 ) -> PiecewiseSignal:
-    """Return the signal through (time, value) pairs whose times increase.
+    """Return the signal through (time [s], value) pairs in order of time.
 
-    With `repeat` the time of the last pair is the period, and the last value is met at its end.
+    With `repeat` the time of the last pair is the period.
     """
     times = tuple(time for time, _ in waypoints)
     values = [value for _, value in waypoints]
@@ -157,7 +157,7 @@ def piecewise_signal(
 def _cubic_pieces(
     times: Sequence[float], values: Sequence[float], repeat: bool
 ) -> list[tuple[float, float, float, float]]:
-    """Return the twice differentiable spline; level at its ends, where the held values join it."""
+    """Return the pieces of the cubic spline; without `repeat` its slope is zero at both ends."""
     slopes = (cubic_spline.periodic_slopes if repeat else cubic_spline.clamped_slopes)(
         times, values
     )
@@ -171,9 +171,9 @@ def _cubic_pieces(
 
 
 def _slope(rise: float, width: float) -> float:
-    """Return the slope of a straight piece; 0 where it rises too fast for a float, as a jump does.
+    """Return the slope of a straight piece, or 0 if the slope is too large for a float.
 
-    An infinite slope would make the value at the start of the piece 0 times infinity.
+    With an infinite slope the value at the start of the piece would be 0 times infinity.
     """
     slope = rise / width
     return slope if math.isfinite(slope) else 0.0

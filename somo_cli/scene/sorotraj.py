@@ -1,9 +1,9 @@
-"""Trajectories of several channels in the format of sorotraj 0.9, as one list of knots.
+"""Read trajectories of several channels in the format of sorotraj 0.9, as one list of knots.
 
-A file has a main part, and may have a prefix before it and a suffix after it. The knots of each
-part count time from the start of that part. The main part is given by its knots (`direct`, `interp`
-with `none` or `linear`), or sampled from a periodic spline through them (`cubic`) or from a wave
-form. Values are linear between knots, and constant after the last one.
+A file has a main part, and may have a prefix before it and a suffix after it. The times of each
+part start at zero. The main part has knots (`direct`, or `interp` with `none` or `linear`), samples
+of a periodic spline through knots (`cubic`), or samples of a waveform. Values are linear between
+knots and constant after the last one.
 
 Source: github.com/harvard-microrobotics/sorotraj, build_traj.py and interpolator.py of version 0.9.
 """
@@ -20,7 +20,7 @@ from somo_cli.scene import signals
 Knots = list[tuple[float, tuple[float, ...]]]
 
 SAMPLED_WAVEFORMS = ("square-sampled", "sin", "cos-up", "cos-down")
-"""Wave forms of which `subsample_num` samples are taken."""
+"""The waveforms that sorotraj samples, `subsample_num` times in all cycles together."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,7 @@ class Trajectory:
     values: tuple[tuple[float, ...], ...]
 
     def weighted_sum(self, weights: Sequence[float]) -> tuple[tuple[float, float], ...]:
-        """Return (time, value) pairs of one sum of the channels, each times its weight."""
+        """Return (time [s], value) pairs of the weighted sum of the channels."""
         return tuple(
             (time, math.fsum(w * v for w, v in zip(weights, values, strict=True)))
             for time, values in zip(self.times, self.values, strict=True)
@@ -44,10 +44,10 @@ def read_trajectory(
     speed_factor: float = 1.0,
     invert: bool | Sequence[int] = False,
 ) -> Trajectory:
-    """Return the whole trajectory of a file without errors.
+    """Return the complete trajectory of a file without errors.
 
-    The main part comes `repetitions` times, faster by `speed_factor`; from the second time on it
-    starts with its second knot. `invert` turns the sign of all channels, or of those it lists.
+    The main part runs `repetitions` times, `speed_factor` times as fast; repetitions skip its first
+    knot. `invert` changes the sign of all channels, or of the channels that it lists.
     """
     setpoints = data["config"].get("setpoints") or {}
     prefix, suffix = (_read_knots(setpoints.get(part) or []) for part in ("prefix", "suffix"))
@@ -60,7 +60,7 @@ def read_trajectory(
 
 
 def _repeated(knots: Knots, repetitions: int) -> Knots:
-    # as in 0.9: the period counts from time zero, even if the first knot comes later
+    # as in sorotraj 0.9: the period starts at time zero, even if the first knot is later
     period = knots[-1][0]
     repeated = [knots[0]]
     for number in range(repetitions):
@@ -69,7 +69,7 @@ def _repeated(knots: Knots, repetitions: int) -> Knots:
 
 
 def _inverted(knots: Knots, invert: bool | Sequence[int]) -> Knots:
-    """Return the knots with the sign of all channels turned, or of those that `invert` lists."""
+    """Return the knots with the sign changed in all channels, or in those that `invert` lists."""
     signs = [1.0] * len(knots[0][1])
     for channel in range(len(signs)) if invert is True else invert or ():
         signs[channel] = -1.0
@@ -80,9 +80,10 @@ def _inverted(knots: Knots, invert: bool | Sequence[int]) -> Knots:
 
 
 def _strictly_increasing(knots: Knots) -> Trajectory:
-    """Return the knots as a trajectory; where two parts meet, their times may be equal.
+    """Return the knots as a trajectory with strictly increasing times.
 
-    Of two equal knots one stays. Different values at one time become a jump to the next float.
+    Two knots may have the same time where two parts meet. If their values are equal, one knot is
+    dropped; if not, the second gets the next larger float as its time, which makes a jump.
     """
     times: list[float] = []
     values: list[tuple[float, ...]] = []
@@ -93,7 +94,7 @@ def _strictly_increasing(knots: Knots) -> Trajectory:
         elif row == values[-1]:
             continue
         elif times[-1] == 0.0:
-            # a part with one knot at time zero takes no time: the next part begins at once
+            # a part with one knot at time zero takes no time: the next part replaces it
             values[-1] = row
         else:
             times.append(math.nextafter(times[-1], math.inf))
@@ -102,7 +103,7 @@ def _strictly_increasing(knots: Knots) -> Trajectory:
 
 
 def main_part_knots(data: Mapping[str, Any]) -> Knots:
-    """Return the knots of the main part of a file without errors, in the time of that part."""
+    """Return the knots of the main part of a file without errors; times start at zero [s]."""
     config = data["config"]
     kind = data["settings"]["traj_type"]
     if kind == "waveform":
@@ -110,7 +111,7 @@ def main_part_knots(data: Mapping[str, Any]) -> Knots:
     knots = _read_knots(config["setpoints"]["main"])
     if kind == "interp" and config.get("interp_type") == "cubic":
         return _cubic_knots(knots, int(config["subsample_num"]))
-    # the samples that sorotraj takes of straight lines lie on them
+    # sorotraj samples straight lines too, but the samples lie on the lines
     return knots
 
 
@@ -130,7 +131,7 @@ def _cubic_knots(knots: Knots, samples: int) -> Knots:
         )
         for channel in range(len(knots[0][1]))
     ]
-    # the end of a period is the start of the next, where the values are the same
+    # a signal at the end of its period returns the first value, which equals the last
     return [(time, tuple(spline.at(time - first) for spline in splines)) for time in times]
 
 

@@ -1,4 +1,4 @@
-"""What may end a run before its last step: conditions as a scene has them, in SI."""
+"""The conditions that end a run before its last step, in SI."""
 
 from __future__ import annotations
 
@@ -29,14 +29,17 @@ ANY_FINDING = "any"
 
 @dataclass(frozen=True, slots=True)
 class StopAtTime:
-    """The run ends with the first step that is not before `time`."""
+    """End the run with the first step at or after `time` [s]."""
 
     time: Time
 
 
 @dataclass(frozen=True, slots=True)
 class StopOutsideBox:
-    """It ends when the centre of an object is outside a box of the world, infinite where open."""
+    """End the run when the origin of an object's frame leaves a box along the world's axes [m].
+
+    A bound is infinite if the scene does not give it.
+    """
 
     object_name: str
     lower: tuple[Length, Length, Length]
@@ -45,10 +48,10 @@ class StopOutsideBox:
 
 @dataclass(frozen=True, slots=True)
 class StopAtRest:
-    """It ends when all has been slow for so long, and not before `after` [s].
+    """End the run when everything has been at rest for `duration` [s], not before `after` [s].
 
-    Slow are joints and what turns freely below `rate`, centres of objects and free bases below
-    `speed`.
+    At rest means: the rates of joints and the angular velocities of objects and moving bases are
+    below `rate` [rad/s], and the velocities of objects and moving bases below `speed` [m/s].
     """
 
     duration: Time
@@ -68,7 +71,7 @@ StopCondition: TypeAlias = StopAtTime | StopOutsideBox | StopAtRest | StopOnFind
 
 
 def read_stop_conditions(items: Sequence[Mapping[str, Any]]) -> tuple[StopCondition, ...]:
-    """Return the conditions of a list without faults, in its order."""
+    """Return the conditions of a list without errors, in its order."""
     return tuple(map(_read_stop_condition, items))
 
 

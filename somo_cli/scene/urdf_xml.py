@@ -1,6 +1,6 @@
-"""URDF text to its elements, each with its place; the only place expat is known.
+"""Read the elements of a URDF text, each with its position in the file.
 
-A document type declaration is refused, and with it every entity that could expand.
+A document type declaration is an error, so that no entity can expand. No other module uses expat.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ MAX_DEPTH = 50
 
 @dataclass(frozen=True, slots=True)
 class XmlElement:
-    """An element of an XML document, and where it starts."""
+    """An element of an XML document; `span` is the position of its start."""
 
     tag: str
     attributes: Mapping[str, str]
@@ -25,22 +25,22 @@ class XmlElement:
     children: list[XmlElement] = field(default_factory=list)
 
     def children_with_tag(self, tag: str) -> list[XmlElement]:
-        """Return the elements of this tag directly below, in their order."""
+        """Return the children with this tag, in document order."""
         return [child for child in self.children if child.tag == tag]
 
     def first_child_with_tag(self, tag: str) -> XmlElement | None:
-        """Return the first element of this tag directly below, if there is one."""
+        """Return the first child with this tag, or None."""
         return next(iter(self.children_with_tag(tag)), None)
 
     def walk(self) -> Iterator[XmlElement]:
-        """Yield this element and all below it, in their order."""
+        """Yield this element and all elements below it, in document order."""
         yield self
         for child in self.children:
             yield from child.walk()
 
 
 def parse_xml(text: str, source: str) -> XmlElement:
-    """Return the root element. Raises InvalidFile, of one fault: XML cannot be read beyond it."""
+    """Return the root element. Raises InvalidFile with the first error: reading stops there."""
     parser = xml.parsers.expat.ParserCreate()
     open_elements: list[XmlElement] = []
     roots: list[XmlElement] = []
@@ -53,13 +53,13 @@ def parse_xml(text: str, source: str) -> XmlElement:
         raise InvalidFile([Problem(here(), message, hint)], {source: text})
 
     def doctype(*_: object) -> None:
-        refuse("a document type declaration is not allowed", "leave it out: a URDF needs none")
+        refuse("a document type declaration is not allowed", "remove it: a URDF needs none")
 
     def start(tag: str, attributes: dict[str, str]) -> None:
         nonlocal count
         count += 1
         if count > MAX_ELEMENTS or len(open_elements) >= MAX_DEPTH:
-            refuse(f"more than {MAX_ELEMENTS} elements, or {MAX_DEPTH} in one another")
+            refuse(f"more than {MAX_ELEMENTS} elements, or more than {MAX_DEPTH} nested ones")
         element = XmlElement(tag, attributes, here())
         (open_elements[-1].children if open_elements else roots).append(element)
         open_elements.append(element)
@@ -73,22 +73,22 @@ def parse_xml(text: str, source: str) -> XmlElement:
     try:
         parser.Parse(text, True)
     except xml.parsers.expat.ExpatError as error:
-        said = xml.parsers.expat.ErrorString(error.code)
+        reason = xml.parsers.expat.ErrorString(error.code)
         place = Span(source, error.lineno, error.offset + 1)
-        message = f"this is not XML: {said}"
+        message = f"this is not XML: {reason}"
         raise InvalidFile([Problem(place, message, "")], {source: text}) from error
     return roots[0]
 
 
 def shape_tag(root: XmlElement) -> str:
-    """Return which elements are the shapes of a URDF: collision, or visual if there is none."""
+    """Return the tag of the shapes of a URDF: collision, or visual if it has no collision shape."""
     return "collision" if any(one.tag == "collision" for one in root.walk()) else "visual"
 
 
 def mesh_filenames(text: str, source: str) -> Mapping[str, Span]:
-    """Return the files that the meshes among the shapes of a URDF name, each once, and where.
+    """Return each file that the shapes of a URDF name as a mesh, and where it is named first.
 
-    Of a text that is no XML there are none.
+    The result is empty if the text is not XML.
     """
     try:
         root = parse_xml(text, source)

@@ -179,7 +179,7 @@ def test_a_thousand_resets_give_the_same_and_take_no_memory() -> None:
 
 def test_wrong_names_and_numbers_are_refused() -> None:
     with somo.Simulation(SCENE) as simulation:
-        with pytest.raises(KeyError, match="there is finger"):
+        with pytest.raises(KeyError, match="the names are finger"):
             simulation.angles("thumb")
         with pytest.raises(ValueError, match="no joints of actuator 7 about axis 0"):
             simulation.set_torque("finger", actuator=7, axis=0, torque=0.1)

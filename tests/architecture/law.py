@@ -77,6 +77,7 @@ HOMES: dict[str, tuple[str, ...]] = {
         "api.",
         "arrays",
         "scene.mesh",
+        "scene.mesh_parts",
         "scene.closed_surface",
         "scene.compound",
         "simulation.",
@@ -90,7 +91,7 @@ HOMES: dict[str, tuple[str, ...]] = {
     "referencing": ("document.schemas",),
     "rich": ("terminal",),
     "scipy": ("analysis.", "calibration."),
-    "trimesh": ("scene.mesh", "scene.closed_surface"),
+    "trimesh": ("scene.mesh", "scene.mesh_parts", "scene.closed_surface"),
     "typer": ("cli.",),
     "xml": ("manipulator.urdf", "scene.urdf_xml"),
     "yaml": (

@@ -138,7 +138,7 @@ TIP = '<link name="t"/><joint name="j" type="{}"><parent link="{}"/><child link=
         (TIP.format("continuous", "actuator_0_segment_02"), "place of 'j': ('continuous', "),
         (
             '<link name="t"><inertial><mass value="1"/></inertial></link>',
-            "link 't' has a mass of its own",
+            "link 't' has a mass, and the chain has no such link",
         ),
     ],
 )

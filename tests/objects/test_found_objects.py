@@ -81,8 +81,8 @@ def test_an_impossible_inertia_is_reported_with_its_numbers() -> None:
     assert (problem.severity, problem.code) == ("error", "impossible-inertia")
     assert problem.span.source == "r.urdf"
     assert problem.message == (
-        "no body has the inertia of link 'a': its principal moments 0.1 and 0.1 kg·m² add up to "
-        "less than the third, 0.21"
+        "no body can have the inertia of link 'a': its principal moments 0.1 and 0.1 kg·m² add up "
+        "to less than the third, 0.21"
     )
     assert problems("right.yaml", *sets, "objects[0].inertia=solid") == ()
 
@@ -108,7 +108,7 @@ def test_every_named_part_is_convex_by_itself(name: str) -> None:
 
 def test_one_hull_around_all_parts_is_used_on_request_and_reported() -> None:
     (warning,) = problems("trough_mesh.yaml", "objects[0].hulls=one")
-    assert "touched as its convex hull, which has 257 % more volume" in warning.message
+    assert "collides as its convex hull, which has 257 % more volume" in warning.message
     found = columns_of(scene("trough_mesh.yaml", "objects[0].hulls=one"), 1500)
     assert found["ball.pose.z_m"][-1] == pytest.approx(1.2, abs=1e-3)
 
@@ -147,7 +147,7 @@ def test_a_marker_is_recorded_and_touches_nothing() -> None:
 
 def test_a_marker_needs_to_be_said_to_be_one() -> None:
     (problem,) = problems("marker.yaml", "objects[0].collides=true")
-    assert problem.message == "there is no collision shape in it"
+    assert problem.message == "the URDF has no collision shape"
     assert problem.hint.startswith("set collides: false")
 
 
@@ -193,7 +193,7 @@ def test_volume_of_what_is_left_is_the_same() -> None:
     text = "\\n".join([*lines, faces[-1], "f 9 9 10"])
     sets = (f'objects[0].mesh={{source: twice.obj, text: "{text}"}}',)
     (warning,) = problems("face.yaml", *sets)
-    assert "1 of its faces that repeat others and 1 of its faces without an area" in warning.message
+    assert "1 duplicate face and 1 face without area ignored" in warning.message
     (both,) = scene("face.yaml", *sets).objects
     assert both.chain.links[0].inertial.centre == pytest.approx((0.5, 0, 0.5))
     assert math.isclose(both.chain.links[0].inertial.mass, 1.0)

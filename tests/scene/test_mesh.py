@@ -7,7 +7,8 @@ import pytest
 
 from somo_cli.manipulator.solids import Box
 from somo_cli.scene import mesh
-from somo_cli.scene.mesh import MeshError, mesh_properties
+from somo_cli.scene.mesh import mesh_properties
+from somo_cli.scene.mesh_parts import MeshError
 from tests.builders.meshes import (
     BOX_CENTRE,
     BOX_CORNERS,
@@ -63,7 +64,7 @@ def test_materials_normals_and_textures_make_no_difference() -> None:
         mesh_properties("\n".join(lines), "a.obj"),
         mesh_properties(obj(BOX_CORNERS), "a.obj"),
     )
-    assert found.fault == ""
+    assert found.reason == ""
     assert found.mesh_inertial is not None
     assert plain.mesh_inertial is not None
     assert found.mesh_inertial.mass == pytest.approx(plain.mesh_inertial.mass, rel=1e-12)
@@ -99,25 +100,25 @@ def test_an_open_mesh_has_a_hull_and_no_solid() -> None:
     found = mesh_properties(obj(BOX_CORNERS, BOX_FACES[1:]), "a.obj")
     assert len(found.hull.vertices) == 8
     assert found.mesh_inertial is None
-    assert found.fault == "it is open: some edges belong to one face only"
+    assert found.reason == "it is open: some edges belong to one face only"
 
 
 @pytest.mark.parametrize(
     ("text", "source", "message"),
     [
         ("", "a.ply", "this is neither an OBJ nor an STL file"),
-        ("", "a.obj", "there are no faces in it"),
-        ("solid\n", "a.stl", "there are no faces in it"),
+        ("", "a.obj", "it has no faces"),
+        ("solid\n", "a.stl", "it has no faces"),
         (
             text_of(binary_stl(BOX_CORNERS)[:-20]),
             "a.stl",
-            "there are no faces in it",
+            "it has no faces",
         ),
-        ("v 0 0\nv 1 0\nv 0 1\nf 1 2 3", "a.obj", "there are no faces in it"),
+        ("v 0 0\nv 1 0\nv 0 1\nf 1 2 3", "a.obj", "it has no faces"),
         (obj(BOX_CORNERS * np.inf), "a.obj", "one of its vertices is not finite"),
         (obj(BOX_CORNERS * [1, 1, 0]), "a.obj", "it is flat, so its hull encloses no volume"),
         (obj(BOX_CORNERS * [1, 0, 0]), "a.obj", "it is flat, so its hull encloses no volume"),
-        (obj(BOX_CORNERS * 1e-6), "a.obj", "it is 6e-08 m long"),
+        (obj(BOX_CORNERS * 1e-6), "a.obj", "it is only 6e-08 m long"),
     ],
 )
 def test_what_nobody_can_use(text: str, source: str, message: str) -> None:
@@ -136,5 +137,5 @@ def test_more_vertices_than_the_engine_is_given() -> None:
     x = np.random.default_rng(0).normal(size=(mesh.MAX_HULL_VERTICES + 10, 3))
     ball = x / np.linalg.norm(x, axis=1)[:, None]
     faces = [(n, n + 1, n + 2) for n in range(len(ball) - 2)]
-    with pytest.raises(MeshError, match="its hull has 10010 vertices, and 10000 are the most"):
+    with pytest.raises(MeshError, match="its hull has 10010 vertices; at most 10000 are allowed"):
         mesh_properties(obj(ball, faces), "a.obj")

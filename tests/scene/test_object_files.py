@@ -158,7 +158,7 @@ def test_files_of_a_package_are_found_where_it_is(folder: Path) -> None:
         scene = str(folder / "in/scene.json")
         with pytest.raises(InvalidFile) as caught:
             load(scene, ())
-        assert any("say --package thing=FOLDER" in one.message for one in caught.value.problems)
+        assert any("give --package thing=FOLDER" in one.message for one in caught.value.problems)
         document = load(scene, packages={"thing": str(folder / "out")})
         assert check(document) == ()
         with pytest.raises(InvalidFile):

@@ -120,14 +120,16 @@ def test_what_is_wrong_with_objects() -> None:
     assert object_problems(light) == ["a free object needs a mass"]
     assert object_problems({**light, "fixed": True}) == []
     assert object_problems({**CUBE, "fixed": True, "linear_velocity": [1, 0, 0]}) == [
-        "linear_velocity is for an object that can move, this one is fixed"
+        "linear_velocity is for a free object, and this one is fixed"
     ]
     assert object_problems({**CUBE, "dimensions": [1, 2]}) == ["a box has 3 dimensions, found 2"]
     assert object_problems({**BALL, "dimensions": [1, 2]}) == ["a sphere has 1 dimensions, found 2"]
-    assert object_problems(CUBE, CUBE) == ["there is another 'cube' in the scene"]
-    assert object_problems({**CUBE, "name": "body"}) == ["there is another 'body' in the scene"]
+    assert object_problems(CUBE, CUBE) == ["another manipulator or object is called 'cube'"]
+    assert object_problems({**CUBE, "name": "body"}) == [
+        "another manipulator or object is called 'body'"
+    ]
     assert object_problems({**CUBE, "position": [0, 0, 0]}, ground={}) == [
-        "it starts 0.02 m inside the ground"
+        "object 'cube' starts 0.02 m inside the ground"
     ]
 
 

@@ -216,7 +216,7 @@ def test_valid_files_have_no_problems(data: Data) -> None:
             waveform("triangle", waveform_max=[1, 2]),
             {},
             [
-                "the lists differ in the number of channels: waveform_max 2, waveform_min 4, "
+                "the lists have different numbers of channels: waveform_max 2, waveform_min 4, "
                 "channels 4"
             ],
         ),
@@ -226,7 +226,7 @@ def test_valid_files_have_no_problems(data: Data) -> None:
             {},
             [
                 "missing key 'channels'",
-                "the lists differ in the number of channels: waveform_max 2, waveform_min 4",
+                "the lists have different numbers of channels: waveform_max 2, waveform_min 4",
             ],
         ),
         (file_of(), {"invert": [0, 3]}, ["there is no channel 3"]),

@@ -107,8 +107,8 @@ def test_a_mesh_may_be_mirrored() -> None:
 @pytest.mark.parametrize(
     ("parts", "message"),
     [
-        ([], "1: there is no link in it"),
-        (['<link name="a"/>'], "1: there is no collision shape in it"),
+        ([], "1: the URDF has no link"),
+        (['<link name="a"/>'], "1: the URDF has no collision shape, so"),
         ([link("a"), link("a")], "3: there is another link 'a'"),
         ([link("a"), link("b")], "1: there are 2 links without a parent: a, b"),
         (["<link/>", link("a")], "2: this link has no name"),
@@ -116,15 +116,15 @@ def test_a_mesh_may_be_mirrored() -> None:
             [link("a"), link("b"), joint("a", "b", kind="revolute")],
             "4: joint 'b_joint' is revolute, not fixed",
         ),
-        ([link("a"), link("b"), joint("a", "b", kind="")], "4: joint 'b_joint' is of no type, not"),
-        ([link("a"), joint("a", "b")], "3: joint 'b_joint' joins 'b', which is no link"),
+        ([link("a"), link("b"), joint("a", "b", kind="")], "4: joint 'b_joint' has no type"),
+        ([link("a"), joint("a", "b")], "3: joint 'b_joint' names 'b', which is not a link"),
         (
             [link("a"), link("b"), link("c"), joint("a", "c"), joint("b", "c")],
             "6: link 'c' has two parents",
         ),
         (
             [link("a"), link("b"), link("c"), joint("b", "c"), joint("c", "b")],
-            "4: this link hangs on itself",
+            "4: this link is its own ancestor",
         ),
         ([link("a"), joint("a", "a")], "1: every link has a parent"),
         ([link("a", more="<inertial/>")], "2: <inertial> has no <mass>"),

@@ -54,7 +54,7 @@ def test_what_is_no_xml(text: str, line: int, message: str) -> None:
 @pytest.mark.moderate
 def test_what_is_too_much() -> None:
     deep = "<a>" * 60 + "</a>" * 60
-    assert refusal(deep)[1] == "more than 100000 elements, or 50 in one another"
+    assert refusal(deep)[1] == "more than 100000 elements, or more than 50 nested ones"
     assert refusal("<a>" + "<b/>" * 100_001 + "</a>")[1] == refusal(deep)[1]
 
 

@@ -1,1 +1,1 @@
-"""What can be wrong with a scene, one file for each part of it."""
+"""Checks of a scene: one file for each part of a scene that can have errors."""

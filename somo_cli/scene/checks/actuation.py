@@ -1,4 +1,4 @@
-"""Errors in what drives an axis: torque, pressure, waypoints, a wave or a mix of channels."""
+"""Check what drives an axis: a torque, a pressure, waypoints, a wave or a mix of channels."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ _INPUTS_BY_KEY: Mapping[str, tuple[str, ...]] = {
     "mix": ("trajectory",),
     "input": ("waypoints", "wave", "trajectory"),
 }
-"""The inputs that each of these keys may accompany."""
+"""For each key, the inputs that it may be given with."""
 
 
 def actuation_problems(
     document: Document, at: Pointer, data: Mapping[str, Any]
 ) -> Iterator[Problem]:
-    """Yield the errors of the entry `data` at `at` that show without its manipulator."""
+    """Yield the errors of the entry `data` at `at` that can be found without its manipulator."""
     yield from _actuator_key_problems(document, at, data)
     given = [key for key in _INPUT_KEYS if key in data]
     if not given:

@@ -1,4 +1,4 @@
-"""Errors in what entries of actuation drive: trajectories, limbs, actuators and axes."""
+"""Check which trajectories, limbs, actuators and axes the entries of `actuation` name."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from somo_cli.scene.checks.actuation import names_actuators
 
 @dataclass(frozen=True, slots=True)
 class _NamedActuator:
-    """An actuator that an entry names: its limb, its number there, and where the entry names it.
+    """An actuator that an entry names: its limb, its number in the limb, and the entry's pointer.
 
     `limb` is empty for a manipulator without limbs.
     """
@@ -43,11 +43,11 @@ def actuation_target_problems(
     compiled: Compiled,
     channel_counts: Mapping[str, int | None],
 ) -> Iterator[Problem]:
-    """Yield the errors of entries at `at` that concern what they drive.
+    """Yield the errors in what the entries at `at` drive.
 
-    These are trajectories, limbs, actuators and axes that do not exist, axes driven twice, and
-    pressure on joints that cannot convert it. `channel_counts` has the number of channels of each
-    trajectory of the scene, None if it is unknown.
+    Errors are trajectories, limbs, actuators and axes that do not exist, axes driven twice, and
+    pressure on joints without one torque per pressure. `channel_counts` has the number of channels
+    of each trajectory of the scene, None if it is unknown.
     """
     axes_by_limb = _axes_by_limb(compiled.chain)
     driven: set[tuple[str, int, int]] = set()
@@ -70,7 +70,7 @@ def _axis_problems(
     axes_by_limb: Mapping[str, Mapping[int, set[int]]],
     driven: set[tuple[str, int, int]],
 ) -> Iterator[Problem]:
-    """Yield the errors of the axes that an entry drives, and add the axes to `driven`."""
+    """Yield the errors of the axes that an entry drives; add these axes to `driven`."""
     axis = int(data["axis"])
     for actuator in _named_actuators(at, data, compiled):
         target = (actuator.limb, actuator.number, axis)

@@ -1,4 +1,4 @@
-"""Faults of a scene with a ground: what starts in it."""
+"""Check that no manipulator starts inside the ground."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def ground_problems(
 ) -> Iterator[Problem]:
     """Yield an error for the manipulator `data` at `at` if it starts inside the scene's ground.
 
-    A base that is held may stand in the ground, with which it cannot collide.
+    A base that is not free may start in the ground: the two do not collide.
     """
     scene: Any = document.data
     keys = ("position", "rpy", "base", "initial_angles")
@@ -33,7 +33,7 @@ def ground_problems(
         return  # a file says where it starts, and the engine finds what overlaps there
     angles = initial_angles_of(data.get("initial_angles", 0), chain)
     if len(angles) != len(chain.joints):
-        return  # told where the start is judged
+        return  # another check reports the wrong number of angles
     position, rpy = (geometry.vector(data.get(key, (0, 0, 0))) for key in ("position", "rpy"))
     height = float(scene["ground"].get("height", 0))
     poses = link_poses(chain, angles, Pose.of(position, rpy))

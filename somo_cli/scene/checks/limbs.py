@@ -1,4 +1,4 @@
-"""Faults of what an entry of actuation says about limbs, each with its place."""
+"""Check the limbs that an entry of `actuation` names."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from somo_cli.problems import Pointer, Problem, did_you_mean
 def limb_problems(
     document: Document, at: Pointer, data: Mapping[str, Any], definition: Definition
 ) -> Iterator[Problem]:
-    """Yield the faults of the limbs that the entry `data` at `at` names, or should."""
+    """Yield an error for each limb that the entry `data` at `at` names wrongly or fails to name."""
     given = [key for key in ("limb", "limbs") if key in data]
     known = [limb.name for limb in definition.limbs]
     if not known:

@@ -1,4 +1,4 @@
-"""Faults of meaning in a load of a scene, each with its place."""
+"""Check the forces and moments that act on the links of a manipulator."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ from somo_cli.scene.model import limbs_by_tip_name, link_index
 def load_problems(
     document: Document, at: Pointer, data: Mapping[str, Any], base: str
 ) -> Iterator[Problem]:
-    """Yield every fault of the load `data` at `at`, on a manipulator with such a base."""
+    """Yield the errors and warnings about the load `data` at `at`.
+
+    `base` is the type of the manipulator's base: static, free or constrained.
+    """
     if "force" not in data and "moment" not in data:
         yield Problem(
             document.span(at, key=True),
@@ -57,7 +60,7 @@ def load_problems(
 def load_link_problems(
     document: Document, at: Pointer, data: Mapping[str, Any], chain: Chain
 ) -> Iterator[Problem]:
-    """Yield the fault of a load on a link that the chain does not have."""
+    """Yield an error if the load `data` at `at` acts on a link that the chain does not have."""
     name = data.get("link", "tip")
     try:
         link_index(name, chain)

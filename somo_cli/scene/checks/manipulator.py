@@ -1,4 +1,4 @@
-"""Errors and warnings about one manipulator of a scene, each with its place."""
+"""Check one manipulator of a scene: its base, start, actuation and loads."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ def manipulator_problems(
     channel_counts: Mapping[str, int | None],
     definitions: DefinitionCompiler,
 ) -> Iterator[Problem]:
-    """Yield the errors and warnings of the manipulator `data`, which has this index in its scene.
+    """Yield the errors and warnings about the manipulator `data`, number `index` of its scene.
 
     `channel_counts` has the number of channels of each trajectory, None if it is unknown;
-    `definitions` compiles the manipulator's definition if that has no error.
+    `definitions` compiles the manipulator's definition if it has no error.
     """
     at: Pointer = ("manipulators", index)
     definition_at: Pointer = (*at, "definition")
@@ -58,7 +58,7 @@ def _base_problems(
         if key in data and base in ("static", "constrained"):
             yield Problem(
                 document.span((*at, key), key=True),
-                f"{key} is for a base that can move, this one is {base}",
+                f"{key} is for a free base, and this one is {base}",
                 "set base: free, or leave it out",
             )
     place: Pointer = (*at, "motion")
@@ -74,7 +74,7 @@ def _entries(data: Mapping[str, Any], key: str) -> list[Any]:
 def _entry_problems(
     document: Document, at: Pointer, data: Mapping[str, Any], is_sound: IsSound
 ) -> Iterator[Problem]:
-    """Yield the errors of actuation and loads that show without the definition."""
+    """Yield the errors of actuation and loads that can be found without the definition."""
     for number, entry in enumerate(_entries(data, "actuation")):
         place: Pointer = (*at, "actuation", number)
         if isinstance(entry, Mapping) and is_sound(place):
@@ -94,7 +94,7 @@ def _compiled_problems(
     channel_counts: Mapping[str, int | None],
     compiled: Compiled,
 ) -> Iterator[Problem]:
-    """Yield the errors of a manipulator that show in its compiled definition."""
+    """Yield the errors that can be found only with the compiled definition."""
     chain = compiled.chain
     if not chain.joints:
         yield Problem(

@@ -1,4 +1,4 @@
-"""Problems of meshes: what their hulls add, faces that are left out, sizes that are not meant."""
+"""Check meshes: volume that their hulls add, faces that are ignored, and implausible sizes."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from somo_cli.scene import object_shapes
 if TYPE_CHECKING:
     from somo_cli.scene.mesh import MeshProperties
 
-_MAX_HULL_SURPLUS = 0.05  # of the volume, that hulls add
+_MAX_HULL_SURPLUS = 0.05  # volume that the hulls add, divided by that of the mesh
 _MAX_PLAUSIBLE_SIZE = 10.0  # m
 
 
 def mesh_problems(
     document: Document, at: Pointer, data: Mapping[str, Any], is_free: bool
 ) -> Iterator[Problem]:
-    """Yield the problems of the meshes of the object `data` at `at`."""
-    from somo_cli.scene.mesh import MeshError
+    """Yield the errors and warnings about the meshes of the object `data` at `at`."""
+    from somo_cli.scene.mesh_parts import MeshError
 
     for index, file in enumerate(object_shapes.mesh_files(data["mesh"])):
         place = (*at, "mesh", index) if isinstance(data["mesh"], list) else (*at, "mesh")
@@ -32,7 +32,7 @@ def mesh_problems(
             yield Problem(span, f"{name}: {error}", error.hint)
             continue
         if found.mesh_inertial is None and is_free:
-            yield Problem(span, f"{name}: {found.fault}", found.hint)
+            yield Problem(span, f"{name}: {found.reason}", found.hint)
             continue
         yield from _face_warnings(span, name, found)
         if data.get("collides", True):
@@ -41,27 +41,31 @@ def mesh_problems(
 
 
 def hull_warnings(span: Span, name: str, found: MeshProperties) -> Iterator[Problem]:
-    """Yield a warning where the hulls of a mesh enclose more than the mesh does."""
+    """Yield a warning if the hulls of a mesh enclose clearly more volume than the mesh."""
     if found.mesh_inertial is None:
         return
     surplus = found.hull_inertial.mass / found.mesh_inertial.mass - 1
     if surplus > _MAX_HULL_SURPLUS:
         count = len(found.hulls)
-        touched = "its convex hull, which has" if count == 1 else f"{count} hulls, which have"
-        message = f"{name} is touched as {touched} {100 * surplus:.0f} % more volume"
+        hulls = "its convex hull, which has" if count == 1 else f"its {count} hulls, which have"
+        message = f"{name} collides as {hulls} {100 * surplus:.0f} % more volume"
         hint = "set hulls: decompose, or give a list of convex parts"
         yield Problem(span, message, hint, "warning")
 
 
 def _face_warnings(span: Span, name: str, found: MeshProperties) -> Iterator[Problem]:
-    left_out = []
+    ignored = []
     if found.duplicate_faces:
-        left_out.append(f"{found.duplicate_faces} of its faces that repeat others")
+        ignored.append(_counted(found.duplicate_faces, "duplicate face"))
     if found.degenerate_faces:
-        left_out.append(f"{found.degenerate_faces} of its faces without an area")
-    if left_out:
-        message = f"{name}: {' and '.join(left_out)} are left out"
-        yield Problem(span, message, "clean the mesh, if it is not meant so", "warning")
+        ignored.append(f"{_counted(found.degenerate_faces, 'face')} without area")
+    if ignored:
+        hint = "remove them from the mesh if they are a mistake"
+        yield Problem(span, f"{name}: {' and '.join(ignored)} ignored", hint, "warning")
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
 def _size_warnings(span: Span, name: str, hulls: tuple[Hull, ...]) -> Iterator[Problem]:
@@ -69,5 +73,5 @@ def _size_warnings(span: Span, name: str, hulls: tuple[Hull, ...]) -> Iterator[P
     x, y, z = (max(axis) - min(axis) for axis in zip(*points, strict=True))
     if max(x, y, z) > _MAX_PLAUSIBLE_SIZE:
         message = f"{name} is {max(x, y, z):.3g} m long"
-        hint = "if its lengths are millimetres: mesh_scale: 0.001"
+        hint = "if its lengths are in millimetres, set mesh_scale: 0.001"
         yield Problem(span, message, hint, "warning")

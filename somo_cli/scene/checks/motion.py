@@ -1,4 +1,4 @@
-"""Faults of meaning in the motion of a base or an object, each with its place."""
+"""Check the prescribed motion of a base or an object."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ def base_motion_problems(
     data: Mapping[str, Any],
     channel_counts: Mapping[str, int | None],
 ) -> Iterator[Problem]:
-    """Yield every fault of the motion of the manipulator `data` at `at`."""
+    """Yield the errors of the motion of the manipulator `data` at `at`."""
     base = str(data.get("base", "static"))
     if base != "constrained":
         yield Problem(
             document.span((*at, "motion"), key=True),
-            f"motion is for a base that a constraint holds, this one is {base}",
+            f"motion is for a constrained base, and this one is {base}",
             "set base: constrained, or leave it out",
         )
     yield from motion_problems(document, at, data, channel_counts)
@@ -108,6 +108,6 @@ def _time_order_problems(
             yield Problem(
                 document.span((*at, part, number)),
                 f"time {points[number][0]} s does not come after {points[number - 1][0]} s",
-                f"waypoints are [time, {COMPONENTS_AND_UNITS[part][0]}], and each has a later "
+                f"waypoints are [time, {COMPONENTS_AND_UNITS[part][0]}], and each needs a later "
                 "time than the one before",
             )

@@ -1,4 +1,4 @@
-"""Faults of the shape and the mass of an object: what a schema cannot say of them."""
+"""Check the shape and the mass of an object, beyond what the schema checks."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ _SHAPES_BY_KEY = {
     "hulls": ("mesh", "urdf"),
     "inertia": ("urdf",),
 }
-"""Each key that says a shape, and the shapes that it is for."""
+"""For each key that describes a shape, the shape types that it is for."""
 
 
 def object_shape_problems(
     document: Document, at: Pointer, data: Mapping[str, Any]
 ) -> Iterator[Problem]:
-    """Yield the faults of shape and mass of the object `data` at `at`."""
+    """Yield the errors and warnings about shape and mass of the object `data` at `at`."""
     problems = list(_other_shape_key_problems(document, at, data))
     yield from problems
     yield from _mass_problems(document, at, data)
@@ -41,18 +41,19 @@ def object_shape_problems(
         yield from _dimension_problems(document, at, data)
     elif data["shape_type"] not in data:
         shape = data["shape_type"]
-        message, hint = f"shape_type {shape} needs a key '{shape}'", "the path of a file"
+        message, hint = f"shape_type {shape} needs a key '{shape}'", "give it the path of a file"
         yield Problem(document.span((*at, "shape_type")), message, hint)
     elif data["shape_type"] == "mesh":
         yield from mesh_problems(document, at, data, is_free(data))
     else:
-        from somo_cli.scene.checks.urdf_objects import urdf_problems  # what reads meshes is slow
+        # imported here because it imports trimesh, which is slow to load
+        from somo_cli.scene.checks.urdf_objects import urdf_problems
 
         yield from urdf_problems(document, at, data, is_free(data))
 
 
 def is_free(data: Mapping[str, Any]) -> bool:
-    """Whether forces move the object, so that its mass counts."""
+    """Return whether forces can move the object, so that it needs a mass."""
     return not data.get("fixed", False) and "motion" not in data
 
 
@@ -64,14 +65,14 @@ def _other_shape_key_problems(
         if key in data and shape not in shapes:
             yield Problem(
                 document.span((*at, key), key=True),
-                f"{key} is for shape_type {', '.join(shapes)}, this one is {shape}",
+                f"{key} is for shape_type {', '.join(shapes)}, and this one is {shape}",
                 "leave it out",
             )
 
 
 def _mass_problems(document: Document, at: Pointer, data: Mapping[str, Any]) -> Iterator[Problem]:
     if "mass" in data and "density" in data:
-        message = "mass and density are two ways to say the same"
+        message = "both mass and density are given"
         yield Problem(document.span((*at, "density"), key=True), message, "keep one of them")
     elif data["shape_type"] == "urdf":
         return
@@ -101,6 +102,7 @@ def _dimension_problems(
         half = min(data["dimensions"]) / 2
         yield Problem(
             document.span((*at, "edge_radius")),
-            f"{data['edge_radius']:g} m is not less than half the shortest edge, {half:g} m",
-            "give it a smaller radius, or take a sphere or a capsule",
+            f"edge_radius {data['edge_radius']:g} m is not less than half the shortest edge, "
+            f"{half:g} m",
+            "make it smaller, or use a sphere or a capsule",
         )

@@ -1,4 +1,4 @@
-"""Faults of the objects of a scene: what a schema cannot say of them."""
+"""Check the objects of a scene, beyond what the schema checks."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _VELOCITY_KEYS = ("linear_velocity", "angular_velocity")
 def object_problems(
     document: Document, is_sound: IsSound, channel_counts: Mapping[str, int | None]
 ) -> Iterator[Problem]:
-    """Yield the faults of all objects of a scene, skipping unsound ones.
+    """Yield the errors and warnings about all objects of a scene that fit the schema.
 
     `channel_counts` has the number of channels of each trajectory, None if it is unknown.
     """
@@ -38,8 +38,8 @@ def object_problems(
         own_problems = list(_object_problems(document, at, item, channel_counts))
         yield from own_problems
         if item["name"] in names:
-            message = f"there is another '{item['name']}' in the scene"
-            yield Problem(document.span((*at, "name")), message, "give it a name of its own")
+            message = f"another manipulator or object is called '{item['name']}'"
+            yield Problem(document.span((*at, "name")), message, "give each a different name")
         names.add(item["name"])
         if not has_errors(own_problems) and isinstance(scene, Mapping) and is_sound(("ground",)):
             yield from _ground_problems(document, at, item, scene.get("ground"))
@@ -53,7 +53,7 @@ def _names_of_manipulators(scene: object) -> set[str]:
         try:
             names.add(manipulator_name_of(item))
         except (KeyError, TypeError, AttributeError):
-            continue  # told where manipulators are judged
+            continue  # the checks of manipulators report it
     return names
 
 
@@ -68,17 +68,21 @@ def _object_problems(
     if has_motion:
         yield from motion_checks.motion_problems(document, at, data, channel_counts)
     if has_motion and is_fixed:
-        message = "motion is for an object that can move, this one is fixed"
+        message = "motion is for an object that can move, and this one is fixed"
         hint = "leave it out, or set fixed: false"
         yield Problem(document.span((*at, "motion"), key=True), message, hint)
     if not is_fixed and not has_motion:
         return
-    state, hint = ("fixed", "set fixed: false") if is_fixed else ("moved", "leave out its motion")
+    state, hint = (
+        ("is fixed", "set fixed: false")
+        if is_fixed
+        else ("has a prescribed motion", "leave out its motion")
+    )
     for key in _VELOCITY_KEYS:
         if key in data:
             yield Problem(
                 document.span((*at, key), key=True),
-                f"{key} is for an object that can move, this one is {state}",
+                f"{key} is for a free object, and this one {state}",
                 f"leave it out, or {hint}",
             )
 
@@ -89,13 +93,15 @@ def _ground_problems(
     if ground is None or not data.get("collides", True):
         return
     if data.get("fixed", False) or not _KEYS_SETTING_HEIGHT.isdisjoint(data):
-        return  # what is held may stand in the ground, with which it cannot collide
+        # an object with a prescribed pose does not collide with the ground, and `place` sets the
+        # height from the shape
+        return
     one = read_object(data)
     low = min(min_height(shape, one.pose) for shape in one.chain.links[0].shapes)
     depth = float(ground.get("height", 0)) - low
     if depth > MAX_RELATIVE_DEPTH * one.chain.length:
         yield Problem(
             document.span((*at, "position")),
-            f"it starts {depth:.3g} m inside the ground",
+            f"object '{one.name}' starts {depth:.3g} m inside the ground",
             "raise it with position, or lower the ground with its height",
         )

@@ -1,4 +1,4 @@
-"""What stands inside what at the start of a scene: the engine's findings as faults of the file."""
+"""Report bodies that overlap at the start of a scene, as the engine finds them."""
 
 from __future__ import annotations
 
@@ -9,18 +9,17 @@ from somo_cli.problems import Pointer, Problem
 from somo_cli.scene.extents import MAX_RELATIVE_DEPTH
 from somo_cli.scene.model import Scene
 
-OVERLAP_TOLERANCE = (
-    1e-5  # m; what touches may overlap by this much, or by MAX_RELATIVE_DEPTH of the smaller length
-)
+OVERLAP_TOLERANCE = 1e-5
+"""The overlap of touching bodies [m] that is no error, if MAX_RELATIVE_DEPTH allows no more."""
 
 
 def overlap_problems(
     document: Document, scene: Scene, depths: Mapping[tuple[int, int], float]
 ) -> Iterator[Problem]:
-    """Yield an error for each pair that overlaps too far.
+    """Yield an error for each pair of bodies that overlap by more than the tolerance.
 
-    `depths` holds how deep [m] two of a scene's parts are in each other, the smaller
-    number first: manipulators, objects, then the ground.
+    `depths` holds the penetration depth [m] by pair of body numbers, the smaller number first;
+    numbers count manipulators, then objects, then the ground.
     """
     owners: list[Pointer] = [("manipulators", index) for index in range(len(scene.manipulators))]
     owners += [("objects", index) for index in range(len(scene.objects))]
@@ -42,7 +41,7 @@ def overlap_problems(
 
 
 def _pose_pointer(document: Document, owner: Pointer) -> Pointer:
-    """Return where it is said where it stands, else where all of it is said."""
+    """Return the pointer of the key that gives a body its position, else that of the body."""
     for key in ("place", "position"):
         if (*owner, key) in document.spans:
             return (*owner, key)
@@ -51,5 +50,5 @@ def _pose_pointer(document: Document, owner: Pointer) -> Pointer:
 
 def _hint(owner: Sequence[str | int]) -> str:
     if owner[0] == "objects":
-        return "move one of them with position, or say with place what the object stands on"
+        return "move one of them with position, or set place: the object then stands on another"
     return "move one of them with position"

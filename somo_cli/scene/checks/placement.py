@@ -1,4 +1,4 @@
-"""Errors in what objects stand on, each with its place."""
+"""Check what objects stand on."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from somo_cli.scene.contact_surface import GROUND_NAME
 def placement_problems(
     document: Document, objects: list[Any], is_sound: IsSound
 ) -> Iterator[Problem]:
-    """Yield an error for each unknown object to stand on, and for each circle of objects."""
+    """Yield an error for each unknown support and for each circle of objects on each other."""
     names = [item["name"] for item in objects if isinstance(item, Mapping) and "name" in item]
     has_ground = isinstance(document.data, Mapping) and "ground" in document.data
     on: dict[str, str] = {}
@@ -45,7 +45,7 @@ def _known_objects_hint(name: str, names: list[str], has_ground: bool) -> str:
 def _circular_placements(
     document: Document, objects: list[Any], on: Mapping[str, str]
 ) -> Iterator[Problem]:
-    """Yield one error for each circle, at the first object of it in the file."""
+    """Yield one error for each circle, at its first object in the file."""
     reported: set[str] = set()
     for index, item in enumerate(objects):
         start = str(item.get("name")) if isinstance(item, Mapping) else ""
@@ -56,7 +56,7 @@ def _circular_placements(
 
 
 def _circle_from(start: str, on: Mapping[str, str]) -> list[str]:
-    """Return the objects below `start`, itself first, if the last stands on it, else none."""
+    """Return `start` and the objects below it if the last stands on `start`, else nothing."""
     chain = [start]
     while chain[-1] in on and on[chain[-1]] not in chain:
         chain.append(on[chain[-1]])

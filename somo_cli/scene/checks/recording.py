@@ -1,4 +1,4 @@
-"""Faults of what a scene records: patterns that match nothing, names that would be ambiguous."""
+"""Check what a scene records: patterns that match no column, and ambiguous names."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from somo_cli.scene.contact_surface import GROUND_NAME
 from somo_cli.scene.model import Scene
 
 AMBIGUOUS_GROUND = (
-    "the scene calls something ground, as the ground is called in contacts: rename it"
+    "a manipulator or object is called ground, which is the ground's name in contacts: rename it"
 )
 
 
 def recording_problems(document: Document, scene: Scene) -> Iterator[Problem]:
-    """Yield the errors of what a scene records; the scene has no other errors."""
+    """Yield the errors in what a scene records; the scene must have no other errors."""
     yield from _ground_problems(document, scene)
     for index, hint in unmatched_patterns(scene, scene.only):
         place = document.span(("record", "only", index))
@@ -27,9 +27,9 @@ def recording_problems(document: Document, scene: Scene) -> Iterator[Problem]:
 
 
 def select_by_patterns(scene: Scene, patterns: Sequence[str]) -> Scene:
-    """Return the scene recording, of all columns that there are, those that match a pattern.
+    """Return the scene with every column recorded that matches one of the patterns.
 
-    Raises ValueError for a pattern that matches none, and where a name would be ambiguous.
+    Raises ValueError if a pattern matches no column, or if a name would be ambiguous.
     """
     if is_ground_name_ambiguous(scene):
         raise ValueError(AMBIGUOUS_GROUND)
@@ -40,7 +40,7 @@ def select_by_patterns(scene: Scene, patterns: Sequence[str]) -> Scene:
 
 
 def unmatched_patterns(scene: Scene, patterns: Sequence[str]) -> Iterator[tuple[int, str]]:
-    """Yield the index of each pattern that matches none of the scene's columns, and a hint."""
+    """Yield, for each pattern that matches none of the scene's columns, its index and a hint."""
     if not patterns:
         return
     offered = [name for names in _column_names_by_quantity(scene).values() for name in names]
@@ -53,9 +53,9 @@ def _unmatched_hint(scene: Scene, pattern: str) -> str:
     everything = _column_names_by_quantity(_with_all_quantities(scene))
     for (key, quantity), names in everything.items():
         if any(fnmatchcase(name, pattern) for name in names):
-            return f"it is among {quantity}, which record.{key} does not list"
+            return f"it is a column of {quantity}: add {quantity} to record.{key}"
     known = [name for names in everything.values() for name in names]
-    return did_you_mean(pattern, known) or f"columns are called like '{known[0]}'"
+    return did_you_mean(pattern, known) or f"names of columns look like '{known[0]}'"
 
 
 def _with_all_quantities(scene: Scene) -> Scene:
@@ -67,7 +67,7 @@ def _with_all_quantities(scene: Scene) -> Scene:
 
 
 def _column_names_by_quantity(found: Scene) -> Mapping[tuple[str, str], Sequence[str]]:
-    """Return the names of the columns that `only` chooses from, by key of `record` and quantity."""
+    """Return the column names that `only` selects from, by key of `record` and quantity."""
     recorded = columns.Recorded(
         tuple((one.name, one.compiled.chain) for one in found.manipulators),
         tuple(one.name for one in found.objects),
@@ -84,13 +84,13 @@ def _column_names_by_quantity(found: Scene) -> Mapping[tuple[str, str], Sequence
 
 
 def is_ground_name_ambiguous(found: Scene) -> bool:
-    """Whether in columns and events of contacts the ground could be taken for something else."""
+    """Return whether a manipulator or object has the name of the ground in contacts."""
     names = [one.name for one in found.manipulators] + [one.name for one in found.objects]
     return found.ground is not None and GROUND_NAME in names
 
 
 def _ground_problems(document: Document, found: Scene) -> Iterator[Problem]:
-    """Yield an error for everything called ground, where the recording names what touches."""
+    """Yield an error for each body called ground, if the recording names contact partners."""
     names_ground = found.has_contact_events or "contact_pairs" in (
         *found.columns,
         *found.object_quantities,
@@ -101,13 +101,13 @@ def _ground_problems(document: Document, found: Scene) -> Iterator[Problem]:
         if manipulator.name == GROUND_NAME:
             yield Problem(
                 document.span(("manipulators", index)),
-                "a manipulator is called ground, as is the ground in columns of contacts",
+                "a manipulator is called ground, which is the ground's name in contacts",
                 "give it another name",
             )
     for index, rigid_object in enumerate(found.objects):
         if rigid_object.name == GROUND_NAME:
             yield Problem(
                 document.span(("objects", index, "name")),
-                "an object is called ground, as is the ground in columns of contacts",
+                "an object is called ground, which is the ground's name in contacts",
                 "give it another name",
             )

@@ -1,4 +1,4 @@
-"""Errors and warnings about a scene and its definitions, each with its place."""
+"""Check a scene and the definitions in it."""
 
 from __future__ import annotations
 
@@ -36,28 +36,28 @@ NO_AUTOMATIC_TIME_STEP = (
 
 @dataclass(frozen=True, slots=True)
 class CheckedScene:
-    """Every error and warning about a scene, in reading order, and the scene if it has no error."""
+    """All errors and warnings about a scene, in reading order, and the scene if it has no error."""
 
     problems: tuple[Problem, ...]
     scene: Scene | None
 
 
 def scene_problems(document: Document) -> tuple[Problem, ...]:
-    """Return every error and warning about a scene and the definitions in it."""
+    """Return all errors and warnings about a scene and its definitions, in reading order."""
     return check_scene(document).problems
 
 
 def check_scene(document: Document) -> CheckedScene:
-    """Check a scene and the definitions in it; compile each definition once, if it has no error."""
+    """Check a scene and its definitions; compile each definition without errors once."""
     definitions = DefinitionCompiler(document)
-    shape = schema_problems(document, "scene")
+    in_schema = schema_problems(document, "scene")
     missing = unresolved_references(
         document, (*FILE_POINTERS, *object_files.FILE_POINTERS, *motion_files.FILE_POINTERS)
     )
-    is_sound = soundness_test(shape, missing)
+    is_sound = soundness_test(in_schema, missing)
     misplaced_files = _misplaced_files(document)
     problems = [
-        fault.problem for fault in shape if not _is_below_any(fault.pointer, misplaced_files)
+        found.problem for found in in_schema if not _is_below_any(found.pointer, misplaced_files)
     ]
     problems.extend(misplaced_files.values())
     data = document.data
@@ -116,9 +116,9 @@ def _is_below_any(pointer: Pointer, places: Mapping[Pointer, Problem]) -> bool:
 
 
 def _misplaced_files(document: Document) -> Mapping[Pointer, Problem]:
-    """Return, by pointer, one error for each file named as a definition that is of another kind.
+    """Return, by pointer, one error for each file of another kind that is named as a definition.
 
-    It replaces the errors of the schema below that pointer.
+    It replaces the schema's errors below that pointer.
     """
     data = document.data
     manipulators = data.get("manipulators") if isinstance(data, Mapping) else None
@@ -132,7 +132,7 @@ def _misplaced_files(document: Document) -> Mapping[Pointer, Problem]:
             misplaced_files[at] = Problem(
                 document.span((*at, "manipulators"), key=True),
                 "this is a scene, not a manipulator definition",
-                "name a definition, which has actuator_definitions",
+                "name a manipulator definition: it has actuator_definitions",
             )
     return misplaced_files
 
@@ -153,7 +153,7 @@ def _name_problems(
             yield Problem(
                 document.span((*at, "name" if has_name else "definition"), key=not has_name),
                 f"two manipulators are called '{name}'",
-                "give each manipulator a name of its own",
+                "give each manipulator a different name",
             )
         seen.add(name)
 
@@ -167,7 +167,7 @@ def _has_name(item: Mapping[str, Any]) -> bool:
 def _scale_problems(
     document: Document, manipulators: list[Any], is_sound: IsSound
 ) -> Iterator[Problem]:
-    """Refuse to choose between definitions that ask for different scales."""
+    """Yield an error for each definition with another scale than the first."""
     data = document.data
     if not isinstance(data, Mapping) or "world_scale" in data:
         return
@@ -183,7 +183,7 @@ def _scale_problems(
         if scale != first:
             yield Problem(
                 document.span(at, key=True),
-                f"this definition has world scale {scale.described()}, "
+                f"this definition has world_scale {scale.described()}, "
                 f"the first one {first.described()}",
-                "give the scene a world_scale of its own",
+                "set world_scale in the scene: it applies to all",
             )

@@ -1,10 +1,10 @@
-"""Findings on soft ground: bodies that may gain energy, since springs under a face act late.
+"""Warn of bodies on soft ground that may gain energy because contact springs act late.
 
-In each step the engine finds one contact point between the ground and a cylinder or a mesh, the
-deepest. The other springs under a face act only once they are as deep as the first, and each adds
-half its stiffness times that depth squared. `make sliding` measures the gain: a fifth of what the
-body had for cylinders that land, more than half for meshes. More damping helps, a smaller step does
-not.
+In each step the engine finds only the deepest contact point between the ground and a cylinder or a
+mesh. The other points of a face are found once they are as deep as the first; the spring of each
+then adds the energy k d²/2, with its stiffness k [N/m] and its depth d [m]. `make sliding` measures
+the gain: a fifth of the body's energy for cylinders that land, more than half for meshes. More
+damping reduces it; a smaller time step does not.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from somo_cli.scene.round_body import round_body_of
 
 
 def soft_ground_problems(document: Document, scene: Scene) -> Iterator[Problem]:
-    """Yield a warning for each free body of a scene that may gain energy on the ground."""
+    """Yield a warning for each free body of a scene that may gain energy on soft ground."""
     if scene.ground is None:
         return
     ground = scene.ground.surface
@@ -38,10 +38,9 @@ def soft_ground_problems(document: Document, scene: Scene) -> Iterator[Problem]:
 
 
 def has_prompt_springs(link: Link) -> bool:
-    """Whether every point on which a link may stand is found in every step.
+    """Return whether the engine finds every contact point of a link with the ground in every step.
 
-    That holds for boxes, and for balls, capsules and round links with such ends, whose faces touch
-    nothing.
+    It does for boxes, balls and capsules, and for round links whose ends are balls or capsules.
     """
     solids = [shape.solid for shape in link.shapes]
     if all(isinstance(solid, Box) for solid in solids):
@@ -62,8 +61,8 @@ def _act_late(links: tuple[Link, ...]) -> bool:
 def _finding(document: Document, at: Pointer, name: str) -> Problem:
     return Problem(
         document.span(at),
-        f"'{name}' has faces that are no box's, and may gain energy where it lands or rocks on "
-        "soft ground: springs under a face act late",
+        f"'{name}' has flat faces but is not made of boxes: it may gain energy when it lands or "
+        "rocks on soft ground, because contact springs under a face act late",
         "raise contact_damping, make it of boxes, balls or capsules, or leave out "
         "contact_stiffness",
         "warning",

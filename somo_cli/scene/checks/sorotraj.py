@@ -1,4 +1,4 @@
-"""Errors in trajectories in the format of sorotraj, each with its place."""
+"""Check trajectories in the format of sorotraj."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ _CHANNEL_LIST_KEYS = ("waveform_max", "waveform_min", "channels")
 
 
 def is_trajectory(document: Document) -> bool:
-    """Return whether a document has the keys of a trajectory, not of a definition or scene."""
+    """Return whether a document has the keys of a trajectory file."""
     data = document.data
     return isinstance(data, dict) and {"settings", "config"} <= data.keys()
 
 
 def trajectory_file_problems(document: Document) -> tuple[Problem, ...]:
-    """Return every error in a trajectory file."""
-    problems = [fault.problem for fault in schema_problems(document, "sorotraj")]
+    """Return all errors in a trajectory file, in reading order."""
+    problems = [found.problem for found in schema_problems(document, "sorotraj")]
     if not problems:
         problems.extend(trajectory_problems(document, (), cast(Mapping[str, Any], document.data)))
     return in_reading_order(problems, document.texts)
@@ -64,7 +64,7 @@ def channel_counts_by_trajectory(document: Document, is_sound: IsSound) -> Mappi
 def trajectory_problems(
     document: Document, at: Pointer, data: Mapping[str, Any]
 ) -> Iterator[Problem]:
-    """Yield the errors of a file at `at` whose shape the schema has accepted."""
+    """Yield the errors of a trajectory at `at` that fits the schema."""
     config = data["config"]
     here: Pointer = (*at, "config")
     setpoints = config.get("setpoints") or {}
@@ -82,7 +82,7 @@ def trajectory_problems(
         yield Problem(
             document.span(here, key=True),
             "missing key 'subsample_num'",
-            "say how many samples the main part has",
+            "give the number of samples of the main part",
         )
 
 
@@ -92,7 +92,7 @@ def _is_cubic(data: Mapping[str, Any]) -> bool:
 
 
 def _needs_samples(data: Mapping[str, Any]) -> bool:
-    """Return whether sorotraj takes samples of the main part."""
+    """Return whether sorotraj samples the main part."""
     config = data["config"]
     if data["settings"]["traj_type"] == "waveform":
         return config.get("waveform_type") in SAMPLED_WAVEFORMS
@@ -103,7 +103,7 @@ def _needs_samples(data: Mapping[str, Any]) -> bool:
 def _main_part_problems(
     document: Document, at: Pointer, rows: list[list[float]], is_cubic: bool
 ) -> Iterator[Problem]:
-    """Yield the errors of a main part that is given by its knots."""
+    """Yield the errors of a main part that its knots define."""
     if len(rows) < 2:
         place = document.span((*at, "setpoints", "main"), key=not rows)
         yield Problem(place, f"the main part has {len(rows)} knots", "give two or more")
@@ -116,7 +116,7 @@ def _main_part_problems(
 def trajectory_use_problems(
     document: Document, at: Pointer, data: Mapping[str, Any]
 ) -> Iterator[Problem]:
-    """Yield the errors of how the entry at `at` uses a trajectory without errors."""
+    """Yield the errors in how the entry at `at` uses a trajectory without errors."""
     count = channel_count(data["sorotraj"])
     invert = data.get("invert")
     for index, channel in enumerate(invert if isinstance(invert, list) else ()):
@@ -124,7 +124,7 @@ def trajectory_use_problems(
             yield Problem(
                 document.span((*at, "invert", index)),
                 f"there is no channel {channel}",
-                f"the trajectory has {count}, the first one is 0",
+                f"the trajectory has {count} channels, numbered from 0",
             )
 
 
@@ -151,7 +151,7 @@ def _knot_problems(
             yield Problem(
                 document.span((*at, index)),
                 f"time {row[0]} s does not come after {rows[index - 1][0]} s",
-                "every knot has a later time than the one before",
+                "each knot needs a later time than the one before",
             )
     if rows and rows[0][0] < 0:
         place = document.span((*at, 0))
@@ -168,15 +168,15 @@ def _waveform_problems(
         yield Problem(document.span(at, key=True), f"missing key '{key}'", "a waveform needs it")
     lengths = {key: len(config[key]) for key in _CHANNEL_LIST_KEYS if key not in missing}
     if len(set(lengths.values())) > 1:
-        said = ", ".join(f"{key} {length}" for key, length in lengths.items())
+        listed = ", ".join(f"{key} {length}" for key, length in lengths.items())
         *_, last = lengths.values()
         key = next(key for key in lengths if lengths[key] != last)
         yield Problem(
             document.span((*at, key)),
-            f"the lists differ in the number of channels: {said}",
+            f"the lists have different numbers of channels: {listed}",
             "give one value per channel in each",
         )
     if (config.get("setpoints") or {}).get("main"):
         place = document.span((*at, "setpoints", "main"), key=True)
-        message = "a waveform has no knots of its main part"
-        yield Problem(place, message, "leave them out, or use traj_type: direct")
+        message = "main has no meaning for a waveform, which defines the main part itself"
+        yield Problem(place, message, "leave it out, or use traj_type: direct")

@@ -1,4 +1,4 @@
-"""Faults of the conditions that end a run: what a schema cannot say of them."""
+"""Check the conditions that end a run, beyond what the schema checks."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _CONDITION_FORMS = (
 
 
 def stop_condition_problems(document: Document, is_sound: IsSound) -> Iterator[Problem]:
-    """Yield the faults of all conditions of a scene, skipping unsound ones."""
+    """Yield the errors of all stop conditions of a scene that fit the schema."""
     scene = document.data
     if not isinstance(scene, Mapping):
         return
@@ -42,8 +42,8 @@ def _condition_problems(
 ) -> Iterator[Problem]:
     kinds = [key for key in ("time", "leaves", "at_rest", "findings") if key in data]
     if len(kinds) > 1:
-        message = f"{' and '.join(kinds)} are {len(kinds)} conditions, not one"
-        yield Problem(document.span((*at, kinds[1]), key=True), message, "list each by itself")
+        message = f"{' and '.join(kinds)} are {len(kinds)} conditions in one entry"
+        yield Problem(document.span((*at, kinds[1]), key=True), message, "give each its own entry")
         return
     if "object" in data and kinds not in ([], ["leaves"]):
         message = f"object has no meaning beside {kinds[0]}"
@@ -58,7 +58,7 @@ def _condition_problems(
     empty = list(_empty_box_problems(document, at, data["leaves"]))
     yield from empty
     if "object" not in data:
-        message = "missing object, the name of what leaves the box"
+        message = "missing object: the name of the object that leaves the box"
         yield Problem(document.span(at, key=True), message, _known_objects_hint(objects))
     elif are_objects_sound:
         yield from _stopped_object_problems(document, at, data, objects, bool(empty))
@@ -72,8 +72,8 @@ def _empty_box_problems(
             low, high = box[axis]
             yield Problem(
                 document.span((*at, "leaves", axis)),
-                f"nothing is between {low:g} and {high:g}",
-                "the first is the lowest, the second the highest",
+                f"the range from {low:g} to {high:g} is empty",
+                "give the lower bound first, then the higher one",
             )
 
 
@@ -102,8 +102,9 @@ def _stopped_object_problems(
         if not low <= value <= high:
             yield Problem(
                 document.span((*at, "leaves", axis)),
-                f"'{name}' starts outside, at {axis} = {value:g} m",
-                "the run would end before its first step: widen the box",
+                f"'{name}' starts outside the box, at {axis} = {value:g} m: the run would end "
+                "before its first step",
+                "widen the box",
             )
 
 

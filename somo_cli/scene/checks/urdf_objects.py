@@ -1,4 +1,4 @@
-"""Problems of an object that a URDF describes: its shapes, its mass and its inertia."""
+"""Check an object that a URDF describes: its shapes, its mass and its inertia."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from somo_cli.manipulator.link_checks import INERTIA_FACTOR
 from somo_cli.problems import Pointer, Problem, Span
 from somo_cli.scene import compound, object_shapes
 from somo_cli.scene.checks.meshes import hull_warnings
-from somo_cli.scene.object_inertia import needs_no_mass, takes_solid, urdf_inertial, with_mass
+from somo_cli.scene.object_inertia import has_own_mass, takes_solid, urdf_inertial, with_mass
 from somo_cli.scene.possible_inertia import described, impossibility
 from somo_cli.scene.urdf_rigid_body import UrdfLink, UrdfRigidBody
 
@@ -19,10 +19,10 @@ from somo_cli.scene.urdf_rigid_body import UrdfLink, UrdfRigidBody
 def urdf_problems(
     document: Document, at: Pointer, data: Mapping[str, Any], is_free: bool
 ) -> Iterator[Problem]:
-    """Yield the problems of the URDF of the object `data` at `at`."""
-    if needs_no_mass(data) and not takes_solid(data):
+    """Yield the errors and warnings about the URDF of the object `data` at `at`."""
+    if has_own_mass(data) and not takes_solid(data):
         key = "mass" if "mass" in data else "density"
-        message = f"{key} is for shapes that are filled with it, this one has the masses of a file"
+        message = f"{key} needs inertia: solid; without it the masses of the URDF count"
         hint = "leave it out, or set inertia: solid"
         yield Problem(document.span((*at, key), key=True), message, hint)
     body = object_shapes.object_urdf_body(data)
@@ -31,8 +31,8 @@ def urdf_problems(
         return
     collides = data.get("collides", True)
     if body.is_drawn_only and collides:
-        hint = "set collides: false: the object is drawn, and touches nothing"
-        yield Problem(body.span, "there is no collision shape in it", hint)
+        hint = "set collides: false: the object is then drawn, and nothing can touch it"
+        yield Problem(body.span, "the URDF has no collision shape", hint)
     if collides:
         yield from _shape_problems(body)
     if is_free:
@@ -42,18 +42,19 @@ def urdf_problems(
 def _shape_problems(body: UrdfRigidBody) -> Iterator[Problem]:
     count = compound.shape_count([one.solid for one in body.solids])
     if count > compound.MAX_SHAPES:
-        message = f"it has {count} shapes, a capsule counting as three, and the engine takes "
-        hint = "leave some out, or give meshes, of which all hulls count as one"
-        yield Problem(body.span, f"{message}{compound.MAX_SHAPES}", hint)
+        most = f"the engine takes at most {compound.MAX_SHAPES}"
+        message = f"the object has {count} shapes, and {most}; a capsule counts as three"
+        hint = "leave some out, or use meshes: all their hulls count as one"
+        yield Problem(body.span, message, hint)
     for span, name, found in body.meshes:
         yield from hull_warnings(span, f"mesh '{name}'", found)
 
 
 def _inertia_problems(body: UrdfRigidBody, data: Mapping[str, Any]) -> Iterator[Problem]:
-    if not (takes_solid(data) and needs_no_mass(data)):
+    if not (takes_solid(data) and has_own_mass(data)):
         for name, span in body.links_without_inertia:
-            message = f"link '{name}' has a shape and no inertia"
-            yield Problem(span, message, "give it <inertial>, or the object fixed: true")
+            message = f"link '{name}' has a shape but no inertia"
+            yield Problem(span, message, "give it <inertial>, or set fixed: true")
         if body.links_without_inertia:
             return
     problems = [
@@ -68,28 +69,29 @@ def _inertia_problems(body: UrdfRigidBody, data: Mapping[str, Any]) -> Iterator[
     whole = urdf_inertial(body, data)
     if whole is None:
         message = "no link has a mass"
-        yield Problem(body.span, message, "give one <inertial>, or the object fixed: true")
+        yield Problem(body.span, message, "give one of them <inertial>, or set fixed: true")
         return
     _, moments = compound.principal_axes(whole.inertia)
     if not min(moments) > 0:
-        message = f"the moments of inertia of the whole are {moments[0]:.3g}, {moments[1]:.3g} and "
-        hint = "all three are greater than 0; inertia: solid takes those of the shapes"
-        yield Problem(_place(body), f"{message}{moments[2]:.3g} kg·m²", hint)
+        found = f"{moments[0]:.3g}, {moments[1]:.3g} and {moments[2]:.3g} kg·m²"
+        message = f"the principal moments of inertia of the object are {found}"
+        hint = "each must be greater than 0; inertia: solid takes those of the shapes"
+        yield Problem(_inertia_span(body), message, hint)
 
 
-def _place(body: UrdfRigidBody) -> Span:
+def _inertia_span(body: UrdfRigidBody) -> Span:
     with_mass_of_file = [link for link in body.links if link.declared is not None]
     return with_mass_of_file[0].span if len(with_mass_of_file) == 1 else body.span
 
 
 def _link_problems(link: UrdfLink) -> Iterator[Problem]:
-    assert link.declared is not None, "only links with a mass are judged"
+    assert link.declared is not None, "only links with a mass are checked"
     own = None if link.filled is None else with_mass(link.filled, link.declared.mass)
-    hint = "mend the file"
+    hint = "correct it in the URDF"
     if own is not None:
         hint = f"set inertia: solid, which takes that of the shapes, {described(own.inertia)}"
     if why := impossibility(link.declared.inertia):
-        message = f"no body has the inertia of link '{link.name}': {why}"
+        message = f"no body can have the inertia of link '{link.name}': {why}"
         yield Problem(link.span, message, hint, code="impossible-inertia")
         return
     if own is None:

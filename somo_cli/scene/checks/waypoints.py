@@ -1,4 +1,4 @@
-"""Faults of waypoints over time, whatever it is that goes through them."""
+"""Check waypoints over time, of torques, pressures or factors of loads."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from somo_cli.problems import Pointer, Problem
 def waypoint_problems(
     document: Document, at: Pointer, data: Mapping[str, Any], quantity: str, unit: str
 ) -> Iterator[Problem]:
-    """Yield every fault of the waypoints of the entry `data` at `at`, and of their repetition.
+    """Yield the errors of the waypoints of the entry `data` at `at`, and of their repetition.
 
-    They are [time, quantity] pairs; `unit` is what to write behind a value, such as " N·m".
+    Waypoints are [time, quantity] pairs; messages print `unit`, such as " N·m", after a value.
     """
     points = data["waypoints"]
     for number in range(1, len(points)):
@@ -22,7 +22,8 @@ def waypoint_problems(
             yield Problem(
                 document.span((*at, "waypoints", number)),
                 f"time {points[number][0]} s does not come after {points[number - 1][0]} s",
-                f"waypoints are [time, {quantity}], and each has a later time than the one before",
+                f"waypoints are [time, {quantity}], and each needs a later time than the one "
+                "before",
             )
     if data.get("repeat"):
         yield from _repeat_problems(document, at, data, quantity, unit)
@@ -43,12 +44,12 @@ def _repeat_problems(
     if data.get("interpolation") != "cubic":
         return
     if points[0][0] > 0:
-        message = f"a repeated cubic starts at time 0, not {points[0][0]} s"
+        message = f"repeated cubic waypoints must start at time 0, not {points[0][0]} s"
         yield Problem(document.span(first), message, "add a waypoint at time 0")
     if points[0][1] != points[-1][1]:
         yield Problem(
             document.span(last),
-            f"a repeated cubic ends at the {quantity} it starts with, {points[0][1]}{unit}, "
-            f"not {points[-1][1]}{unit}",
+            f"repeated cubic waypoints must end with the {quantity} they start with, "
+            f"{points[0][1]}{unit}, not {points[-1][1]}{unit}",
             f"end with [{points[-1][0]}, {points[0][1]}], or use interpolation: linear",
         )

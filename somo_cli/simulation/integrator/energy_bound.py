@@ -10,7 +10,7 @@ import numpy as np
 from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
-from somo_cli.manipulator.kinematics import Pose, ways
+from somo_cli.manipulator.kinematics import Pose, max_distances
 from somo_cli.simulation.engine.interface import WorldObject
 from somo_cli.simulation.plan.joint_springs import JointSprings
 from somo_cli.simulation.plan.model import Body, Plan
@@ -170,8 +170,8 @@ def _square(vector: Vector) -> float:
 def _fall_moment(body: Body) -> float:
     """Return the sum of mass times twice the distance from the base frame's origin."""
     return sum(
-        2 * link.inertial.mass * (way + geometry.norm(link.inertial.centre))
-        for way, link in zip(ways(body.chain), body.chain.links, strict=True)
+        2 * link.inertial.mass * (distance + geometry.norm(link.inertial.centre))
+        for distance, link in zip(max_distances(body.chain), body.chain.links, strict=True)
     )
 
 

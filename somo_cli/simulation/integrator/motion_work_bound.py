@@ -13,7 +13,7 @@ import numpy as np
 from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain
-from somo_cli.manipulator.kinematics import ways
+from somo_cli.manipulator.kinematics import max_distances
 from somo_cli.simulation.plan.model import Plan
 
 
@@ -85,9 +85,9 @@ class MotionWorkBound:
 def _reach(chain: Chain) -> float:
     """Return about how far from the base frame's origin a point of the chain can be."""
     far = 0.0
-    for way, link in zip(ways(chain), chain.links, strict=True):
+    for distance, link in zip(max_distances(chain), chain.links, strict=True):
         xx, _, _, yy, _, zz = link.inertial.inertia
         # half the diagonal of a homogeneous box; no less for a cylinder or a sphere
         size = math.sqrt(1.5 * (xx + yy + zz) / link.inertial.mass)
-        far = max(far, way + geometry.norm(link.inertial.centre) + size)
+        far = max(far, distance + geometry.norm(link.inertial.centre) + size)
     return far

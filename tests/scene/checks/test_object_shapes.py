@@ -24,18 +24,21 @@ def test_valid_shapes_have_no_problems() -> None:
     ("one_object", "message"),
     [
         ({**PILL, "dimensions": [1]}, "a capsule has 2 dimensions, found 1"),
-        ({**PILL, "mass": 1}, "mass and density are two ways to say the same"),
-        ({**PILL, "edge_radius": 1}, "edge_radius is for shape_type box, this one is capsule"),
+        ({**PILL, "mass": 1}, "both mass and density are given"),
+        ({**PILL, "edge_radius": 1}, "edge_radius is for shape_type box, and this one is capsule"),
         (
             {**ROUNDED_CUBE, "edge_radius": 0.03},
-            "0.03 m is not less than half the shortest edge, 0.03 m",
+            "edge_radius 0.03 m is not less than half the shortest edge, 0.03 m",
         ),
         (
             {key: value for key, value in ROUNDED_CUBE.items() if key != "dimensions"},
             "a box needs dimensions",
         ),
-        ({**ROUNDED_CUBE, "position": [0, 0, 0.02]}, "it starts 0.01 m inside the ground"),
-        ({**PILL, "position": [0, 0, 0.03]}, "it starts 0.01 m inside the ground"),
+        (
+            {**ROUNDED_CUBE, "position": [0, 0, 0.02]},
+            "object 'cube' starts 0.01 m inside the ground",
+        ),
+        ({**PILL, "position": [0, 0, 0.03]}, "object 'pill' starts 0.01 m inside the ground"),
     ],
 )
 def test_what_is_wrong(one_object: Data, message: str) -> None:
@@ -47,11 +50,11 @@ def test_a_mesh_in_the_ground() -> None:
     mesh = {"name": "m", "shape_type": "mesh", "mesh": cube, "mass": 1}
     assert object_problems(mesh, ground={}) == []
     assert object_problems({**mesh, "position": [0, 0, -0.02]}, ground={}) == [
-        "it starts 0.02 m inside the ground"
+        "object 'm' starts 0.02 m inside the ground"
     ]
     # turned about the origin of its frame, it reaches as far down as it lay aside
     turned = {**mesh, "rpy": [0, math.pi / 2, 0]}
-    assert object_problems(turned, ground={}) == ["it starts 0.13 m inside the ground"]
+    assert object_problems(turned, ground={}) == ["object 'm' starts 0.13 m inside the ground"]
     assert object_problems({**turned, "fixed": True}, ground={}) == []
 
 
@@ -62,7 +65,7 @@ def test_a_urdf_in_the_ground() -> None:
     text = f'<robot><link name="a">{inertial}{high}{low}</link></robot>'
     data = {"name": "u", "shape_type": "urdf", "urdf": {"source": "a.urdf", "text": text}}
     assert object_problems({**data, "position": [0, 0, 1.5]}, ground={}) == []
-    assert object_problems(data, ground={}) == ["it starts 1.5 m inside the ground"]
+    assert object_problems(data, ground={}) == ["object 'u' starts 1.5 m inside the ground"]
 
 
 def test_more_shapes_than_the_engine_takes() -> None:
@@ -70,7 +73,7 @@ def test_more_shapes_than_the_engine_takes() -> None:
     text = f'<robot><link name="a">{6 * pill}</link></robot>'
     file = {"source": "a.urdf", "text": text}
     assert object_problems({"name": "u", "shape_type": "urdf", "urdf": file, "fixed": True}) == [
-        "it has 18 shapes, a capsule counting as three, and the engine takes 16"
+        "the object has 18 shapes, and the engine takes at most 16; a capsule counts as three"
     ]
 
 
@@ -79,7 +82,9 @@ def test_a_body_that_resists_no_turn() -> None:
     ball = '<collision><geometry><sphere radius="1"/></geometry></collision>'
     text = f'<robot><link name="a">{inertial}{ball}</link></robot>'
     data = {"name": "u", "shape_type": "urdf", "urdf": {"source": "a.urdf", "text": text}}
-    assert object_problems(data) == ["the moments of inertia of the whole are 0, 0 and 0 kg·m²"]
+    assert object_problems(data) == [
+        "the principal moments of inertia of the object are 0, 0 and 0 kg·m²"
+    ]
     frame = {**data, "urdf": {"source": "a.urdf", "text": text.replace('"1"/><in', '"0"/><in')}}
     assert object_problems(frame) == ["no link has a mass"]
 

@@ -25,16 +25,16 @@ def test_patterns_that_match() -> None:
     [
         ({}, "body.tip.x", "did you mean 'body.tip.x_m'?"),
         ({}, "Cube.pose.z_m", "did you mean 'cube.pose.z_m'?"),
-        ({}, "?", "columns are called like 'body.actuator_0_joint_01.angle_rad'"),
+        ({}, "?", "names of columns look like 'body.actuator_0_joint_01.angle_rad'"),
         (
             {"columns": ["tip_position"]},
             "body.*.rate_rad_per_s",
-            "it is among joint_rates, which record.columns does not list",
+            "it is a column of joint_rates: add joint_rates to record.columns",
         ),
         (
             {"objects": ["pose"]},
             "cube.contact.body.*",
-            "it is among contact_pairs, which record.objects does not list",
+            "it is a column of contact_pairs: add contact_pairs to record.objects",
         ),
     ],
 )
@@ -45,7 +45,7 @@ def test_a_pattern_that_matches_nothing(record: dict[str, Any], pattern: str, hi
 
 def test_an_object_must_not_be_called_ground_beside_columns_of_contacts() -> None:
     other = {**CUBE, "name": "ground", "position": [1, 0, 0.02]}
-    message = "an object is called ground, as is the ground in columns of contacts"
+    message = "an object is called ground, which is the ground's name in contacts"
     for record in ({"objects": ["contact_pairs"]}, {"events": True}):
         scene = {**scene_of_objects(CUBE, other, ground={}), "record": record}
         assert messages_of(scene) == [message]

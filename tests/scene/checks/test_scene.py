@@ -59,7 +59,7 @@ def test_a_problem_in_a_definition_is_reported_at_its_position() -> None:
 
 
 def test_a_base_that_is_held_has_no_velocity() -> None:
-    message = "{} is for a base that can move, this one is {}"
+    message = "{} is for a free base, and this one is {}"
     for key in ("linear_velocity", "angular_velocity"):
         for base in ("static", "constrained"):
             said = (f'"{key}"', message.format(key, base))
@@ -108,7 +108,7 @@ def test_a_drive_has_one_input() -> None:
     ]
     cubic = {"interpolation": "cubic", "repeat": True, "input": "pressure"}
     assert [message for _, message in driven([1.0, 1.0], waypoints=[[0, 1], [1, 2]], **cubic)] == [
-        "a repeated cubic ends at the pressure it starts with, 1 Pa, not 2 Pa"
+        "repeated cubic waypoints must end with the pressure they start with, 1 Pa, not 2 Pa"
     ]
 
 
@@ -128,11 +128,11 @@ def test_times_increase() -> None:
         ([[0, 1], [1, 2], [3, 1]], "cubic", []),
         ([[-1, 1], [1, 2]], "linear", ["repeated waypoints start at time -1 s, before 0"]),
         ([[0, 1]], "step", ["repeated waypoints have a period of 0 s"]),
-        ([[0.5, 1], [1, 1]], "cubic", ["a repeated cubic starts at time 0, not 0.5 s"]),
+        ([[0.5, 1], [1, 1]], "cubic", ["repeated cubic waypoints must start at time 0, not 0.5 s"]),
         (
             [[0, 1], [1, 2]],
             "cubic",
-            ["a repeated cubic ends at the torque it starts with, 1 N·m, not 2 N·m"],
+            ["repeated cubic waypoints must end with the torque they start with, 1 N·m, not 2 N·m"],
         ),
         (
             [[-2, 1], [-1, 1]],
@@ -218,7 +218,7 @@ def test_waypoints_of_a_load_are_checked_like_those_of_a_torque() -> None:
     ]
     assert messages == [
         "time 0 s does not come after 0 s",
-        "a repeated cubic ends at the factor it starts with, 1, not 0.5",
+        "repeated cubic waypoints must end with the factor they start with, 1, not 0.5",
     ]
 
 
@@ -238,7 +238,7 @@ def test_definitions_agree_on_the_scale_or_the_scene_decides() -> None:
     twenty = {"name": "b", "definition": {**BODY, "world_scale": 20}}
     heavy = {"name": "c", "definition": {**BODY, "world_scale": {"length": 1, "mass": 5}}}
     one = {"definition": BODY}
-    message = "this definition has world scale {}, the first one 1"
+    message = "this definition has world_scale {}, the first one 1"
     assert texts_and_messages({"manipulators": [one, twenty, heavy]}) == [
         ('"definition"', message.format("20")),
         ('"definition"', message.format("1 (mass 5)")),
@@ -261,7 +261,7 @@ def test_all_problems_come_at_once_and_in_reading_order() -> None:
         in_scene={"time_step": 0, "colour": "red"},
     )
     assert [message for _, message in found] == [
-        "linear_velocity is for a base that can move, this one is static",
+        "linear_velocity is for a free base, and this one is static",
         "initial_angles has 1 values for 3 joints",
         "missing torque, pressure, wave, trajectory or waypoints",
         "expected a number, found the string 'much'",
