@@ -17,7 +17,8 @@ from somo_cli.manipulator.solids import AnySolid, Box, Cylinder, Sphere
 from somo_cli.manipulator.urdf import number
 
 MAX_SHAPES = 16
-"""Seen in PyBullet 3.2.7: createCollisionShapeArray drops further shapes without an error."""
+"""Seen in PyBullet 3.2.7: createCollisionShapeArray drops further shapes without an error. A URDF
+may have more, but its hulls keep a margin of 0.001 engine units, whatever is set."""
 
 _NEAR = 1e-9  # difference of the largest moment from half the sum of all, divided by the sum
 _PRODUCT_TOLERANCE = 1e-12  # product of inertia that is rounding, divided by the largest moment
@@ -80,7 +81,7 @@ def compound_of(link: Link) -> Compound:
     frame = Pose(link.inertial.centre, axes)
     radii = [one.solid.radius for one in link.shapes if isinstance(one.solid, RoundedBox)]
     shapes = [part for shape in link.shapes for part in _engine_shapes(shape, frame)]
-    if len(shapes) > MAX_SHAPES:
+    if len(shapes) > MAX_SHAPES:  # without hulls they are as they were: a URDF takes any number
         shapes = _with_hulls_in_one(link, frame)
     return Compound(
         frame,
@@ -128,6 +129,11 @@ def shape_count(solids: Sequence[AnySolid]) -> int:
     count = sum(3 if isinstance(solid, Capsule) else 1 for solid in solids)
     hulls = sum(isinstance(solid, Hull) for solid in solids)
     return count if count <= MAX_SHAPES else count - max(0, hulls - 1)
+
+
+def is_too_much(solids: Sequence[AnySolid]) -> bool:
+    """Whether the engine can take these solids in no way: hulls, and many others with them."""
+    return any(isinstance(solid, Hull) for solid in solids) and shape_count(solids) > MAX_SHAPES
 
 
 def principal_axes(tensor: Tensor) -> tuple[Matrix, Vector]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,11 +12,14 @@ import pytest
 from somo_cli.manipulator import solids
 from somo_cli.picture.drawn_parts import parts_of
 from somo_cli.problems import InvalidFile
+from somo_cli.scene.model import Scene
 from somo_cli.scene.object_shapes import object_link
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan_report import explain
 from tests import public_objects
+from tests.builders.definitions import actuator, hinge, manipulator
 from tests.builders.runs import columns_of
+from tests.builders.scenes import scene_from_text
 from tests.objects.scenes import INPUTS, problems, scene
 
 
@@ -234,3 +238,55 @@ def test_a_marker_is_drawn() -> None:
     assert [part.body for part in parts if part.body > 0] == [1, 2, 3]
     lines = [str(one) for one in explain(make_plan(found))]
     assert "left out  collisions of markers: collides is false of goal, ghost" in lines
+
+
+def raft(shape: str, count: int, folder: Path) -> Scene:
+    """Return a scene with a raft of shapes side by side, turned in its file, above the ground."""
+    shapes = "".join(
+        f'<collision><origin xyz="{0.03 * index} 0 0" rpy="{math.pi / 2} 0 0"/>'
+        f"<geometry>{shape}</geometry></collision>"
+        for index in range(count)
+    )
+    inertial = (
+        f'<inertial><origin xyz="{0.015 * (count - 1)} 0 0" rpy="0.3 0 0"/><mass value="0.6"/>'
+        '<inertia ixx="0.001" iyy="0.012" izz="0.0125" ixy="0" ixz="0" iyz="0"/></inertial>'
+    )
+    text = f'<robot name="raft"><link name="a">{inertial}{shapes}</link></robot>'
+    (folder / "raft.urdf").write_text(text, encoding="utf-8")
+    data = {
+        "time_step": 1e-3,
+        "ground": {},
+        "objects": [
+            {"name": "raft", "shape_type": "urdf", "urdf": "raft.urdf", "position": [0, 0, 0.03]}
+        ],
+        "manipulators": [
+            {"definition": manipulator(actuator(1, hinge(1, 0, 0))), "position": [40, 0, 1]}
+        ],
+        "record": {"columns": ["tip_position"], "objects": ["pose", "angles"], "every": 10},
+    }
+    return scene_from_text(json.dumps(data), source=str(folder / "scene.yaml"))
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        '<capsule radius="0.01" length="0.1"/>',
+        '<cylinder radius="0.01" length="0.1"/>',
+        '<sphere radius="0.01"/>',
+        '<box size="0.02 0.02 0.1"/>',
+    ],
+)
+def test_a_body_of_any_number_of_shapes_falls_and_rests_as_one_of_few(
+    shape: str, tmp_path: Path
+) -> None:
+    # of capsules 15 and 60 shapes of the engine: the first made one by one, the others by a URDF
+    for count in (5, 20):
+        plan = make_plan(raft(shape, count, tmp_path))
+        (planned,) = plan.objects
+        assert planned.compound is not None
+        assert len(planned.compound.shapes) == count * (3 if "capsule" in shape else 1)
+        found = columns_of(plan, 1000)
+        assert found["raft.pose.z_m"][-1] == pytest.approx(0.01, abs=3e-5)
+        if "sphere" not in shape:  # a row of balls may roll
+            assert found["raft.angles.x_rad"][-1] == pytest.approx(0, abs=1e-3)
+        assert found["raft.angles.y_rad"][-1] == pytest.approx(0, abs=1e-3)

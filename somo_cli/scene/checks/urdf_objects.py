@@ -40,11 +40,14 @@ def urdf_problems(
 
 
 def _shape_problems(body: UrdfRigidBody) -> Iterator[Problem]:
-    count = compound.shape_count([one.solid for one in body.solids])
-    if count > compound.MAX_SHAPES:
-        most = f"the engine takes at most {compound.MAX_SHAPES}"
-        message = f"the object has {count} shapes, and {most}; a capsule counts as three"
-        hint = "leave some out, or use meshes: all their hulls count as one"
+    solids = [one.solid for one in body.solids]
+    if compound.is_too_much(solids):
+        others = compound.shape_count(solids) - 1
+        most = f"the engine takes at most {compound.MAX_SHAPES - 1} beside meshes"
+        message = (
+            f"the object has meshes and {others} other shapes, and {most}; a capsule counts as three"
+        )
+        hint = "leave some out, use meshes in their place, or no meshes: then any number is possible"
         yield Problem(body.span, message, hint)
     for span, name, found in body.meshes:
         yield from hull_warnings(span, f"mesh '{name}'", found)

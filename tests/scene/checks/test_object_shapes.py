@@ -68,12 +68,18 @@ def test_a_urdf_in_the_ground() -> None:
     assert object_problems(data, ground={}) == ["object 'u' starts 1.5 m inside the ground"]
 
 
-def test_more_shapes_than_the_engine_takes() -> None:
+def test_more_shapes_than_the_engine_takes_beside_meshes() -> None:
     pill = '<collision><geometry><capsule length="1" radius="1"/></geometry></collision>'
-    text = f'<robot><link name="a">{6 * pill}</link></robot>'
-    file = {"source": "a.urdf", "text": text}
-    assert object_problems({"name": "u", "shape_type": "urdf", "urdf": file, "fixed": True}) == [
-        "the object has 18 shapes, and the engine takes at most 16; a capsule counts as three"
+    mesh = '<collision><geometry><mesh filename="cube.obj"/></geometry></collision>'
+    text = f'<robot><link name="a">{6 * pill}{{}}</link></robot>'
+    file = {"source": "a.urdf", "text": text.format("")}
+    fixed = {"name": "u", "shape_type": "urdf", "fixed": True}
+    assert object_problems({**fixed, "urdf": file}) == []
+    cube = {"source": "cube.obj", "text": obj(corners((1.0, 1.0, 1.0), (0.0, 0.0, 0.0)))}
+    file = {"source": "a.urdf", "text": text.format(mesh), "meshes": [cube]}
+    assert object_problems({**fixed, "urdf": file}) == [
+        "the object has meshes and 18 other shapes, and the engine takes at most 15 beside meshes; "
+        "a capsule counts as three"
     ]
 
 
