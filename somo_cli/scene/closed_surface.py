@@ -16,6 +16,9 @@ from numpy.typing import NDArray
 Array: TypeAlias = NDArray[Any]
 
 
+_MOST_POINTS = 8  # of a shell that are looked at to find what it is inside of
+
+
 @dataclass(frozen=True, slots=True)
 class CleanSurface:
     """Triangles of vertex numbers, shape (n, 3), and the counts of those that were removed."""
@@ -111,7 +114,10 @@ def _turned_outwards(vertices: Array, faces: Array) -> Array:
     high = {one: corners[of_face == one].max(axis=(0, 1)) for one in shells}
 
     def holds(outer: int, inner: int) -> bool:
-        return bool((low[outer] < low[inner]).all() and (high[inner] < high[outer]).all())
+        is_in_box = (low[outer] < low[inner]).all() and (high[inner] < high[outer]).all()
+        return bool(is_in_box) and _encloses(
+            corners[of_face == outer], vertices[np.unique(faces[of_face == inner])]
+        )
 
     turned = faces.copy()
     for outer in shells:
@@ -120,3 +126,21 @@ def _turned_outwards(vertices: Array, faces: Array) -> Array:
         for inner in (one for one in shells if one == outer or holds(outer, one)):
             turned[of_face == inner] = turned[of_face == inner][:, ::-1]
     return turned
+
+
+def _encloses(shell: Array, points: Array) -> bool:
+    """Whether most of some points, (m, 3), are inside a closed shell of triangles, (n, 3, 3).
+
+    A point is inside where the shell fills the whole sphere around it: its triangles' solid angles,
+    by van Oosterom and Strackee, IEEE Trans. Biomed. Eng. 30 (1983) 125, add up to 4 π, else to 0.
+    """
+    some = points[:: max(1, len(points) // _MOST_POINTS)]
+    inside = 0
+    for point in some:
+        a, b, c = np.moveaxis(shell - point, 1, 0)
+        la, lb, lc = (np.linalg.norm(one, axis=1) for one in (a, b, c))
+        volume = np.einsum("ij,ij->i", a, np.cross(b, c))
+        ab, bc, ca = (np.einsum("ij,ij->i", *pair) for pair in ((a, b), (b, c), (c, a)))
+        angles = 2 * np.arctan2(volume, la * lb * lc + ab * lc + bc * la + ca * lb)
+        inside += abs(float(angles.sum())) > 2 * np.pi
+    return 2 * inside > len(some)

@@ -7,7 +7,7 @@ from typing import Any
 
 from somo_cli.manipulator import solids
 from somo_cli.manipulator.solids import Inertial
-from somo_cli.scene.possible_inertia import nearest_possible
+from somo_cli.scene.possible_inertia import described, nearest_possible
 from somo_cli.scene.urdf_rigid_body import UrdfLink, UrdfRigidBody
 
 
@@ -37,6 +37,24 @@ def urdf_inertial(body: UrdfRigidBody, data: Mapping[str, Any]) -> Inertial | No
         return with_mass(whole, mass)
     found = [_of_link(link, takes_solid(data)) for link in body.links if link.declared is not None]
     return solids.lumped(tuple(found)) if found else None
+
+
+def mended_inertias(body: UrdfRigidBody, data: Mapping[str, Any]) -> str:
+    """Return which inertias of the file had to be mended, and what is used; empty if none had to.
+
+    Those that differ by less than four digits show are left out.
+    """
+    found: list[str] = []
+    for link in body.links:
+        if link.declared is None or (takes_solid(data) and (link.filled or needs_no_mass(data))):
+            continue
+        given, used = (
+            described(one, 4)
+            for one in (link.declared.inertia, nearest_possible(link.declared.inertia))
+        )
+        if used != given:
+            found.append(f"link '{link.name}' has {used} in place of {given}")
+    return ", ".join(found)
 
 
 def with_mass(inertial: Inertial, mass: float) -> Inertial:

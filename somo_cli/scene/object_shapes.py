@@ -94,6 +94,15 @@ def object_urdf_body(data: Mapping[str, Any]) -> UrdfRigidBody:
     return urdf_rigid_body.read_rigid_body(text, source, meshes, data.get("hulls"))
 
 
+def mended_inertias(data: Mapping[str, Any]) -> str:
+    """Return which inertias of an object had to be mended; see `object_inertia`."""
+    if data["shape_type"] != "urdf":
+        return ""
+    from somo_cli.scene import object_inertia
+
+    return object_inertia.mended_inertias(object_urdf_body(data), data)
+
+
 def placed_shape(
     solid: AnySolid,
     position: geometry.Vector = geometry.ZERO,

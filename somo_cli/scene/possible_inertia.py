@@ -46,7 +46,7 @@ def nearest_possible(inertia: Tensor) -> Tensor:
     return geometry.rotated_tensor((s2 + s3, 0.0, 0.0, s1 + s3, 0.0, s1 + s2), axes)
 
 
-def described(inertia: Tensor) -> str:
+def described(inertia: Tensor, digits: int = 3) -> str:
     """Return the principal moments as text, such as "[1, 2, 2.5] kg·m²"."""
     moments: Vector = geometry.principal_moments(inertia)
-    return "[" + ", ".join(f"{moment:.3g}" for moment in moments) + "] kg·m²"
+    return "[" + ", ".join(f"{moment:.{digits}g}" for moment in moments) + "] kg·m²"

@@ -51,6 +51,8 @@ class RigidObject:
     placement: Placement | None = None
     collides: bool = True
     """Whether other bodies can touch the object; if not, it is only drawn and recorded."""
+    mended_inertias: str = ""
+    """Which inertias of its file rounding had made impossible, and what is used in their place."""
 
     @property
     def pose(self) -> Pose:
@@ -88,5 +90,6 @@ def read_object(
         surface=read_surface(data),
         motion=motion,
         collides=bool(data.get("collides", True)),
+        mended_inertias=object_shapes.mended_inertias(data),
         placement=read_placement(data["place"]) if "place" in data else None,
     )

@@ -10,6 +10,7 @@ from somo_cli.simulation.contact_decisions import contact_decisions, marker_deci
 from somo_cli.simulation.decision import Decision, count_of, unless_asked
 from somo_cli.simulation.integrator.refresh_policy import MONITORING_INTERVAL
 from somo_cli.simulation.motion_decisions import joint_decisions, rotation_decisions
+from somo_cli.simulation.object_decisions import object_decisions
 from somo_cli.simulation.plan.model import Plan
 
 
@@ -21,6 +22,7 @@ def explain(plan: Plan) -> tuple[Decision, ...]:
         *marker_decisions(plan),
         *joint_decisions(plan),
         *rotation_decisions(plan),
+        *object_decisions(plan),
         *_engine_decisions(plan),
         *_state_decisions(plan),
     )

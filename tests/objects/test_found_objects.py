@@ -240,6 +240,21 @@ def test_a_marker_is_drawn() -> None:
     assert "left out  collisions of markers: collides is false of goal, ghost" in lines
 
 
+def test_the_plan_says_what_was_mended_and_by_how_many_hulls_a_mesh_is_touched() -> None:
+    def said(name: str, what: str) -> list[str]:
+        return [one.why for one in explain(make_plan(scene(name))) if one.what.startswith(what)]
+
+    (mended,) = said("little.yaml", "inertias")
+    assert mended.endswith(
+        "of cube link 'cube' has [0.000101, 0.000101, 0.000202] kg·m² in place of "
+        "[0.0001, 0.0001, 0.000202] kg·m²"
+    )
+    assert said("right.yaml", "inertias") == []
+    assert said("right.yaml", "meshes") == []
+    (hulls,) = said("trough_urdf.yaml", "meshes")
+    assert hulls.endswith("trough by 3 hulls")
+
+
 def raft(shape: str, count: int, folder: Path) -> Scene:
     """Return a scene with a raft of shapes side by side, turned in its file, above the ground."""
     shapes = "".join(
