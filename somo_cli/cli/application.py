@@ -10,10 +10,10 @@ import typer
 from somo_cli import __version__, terminal
 from somo_cli.problems import (
     EngineMissing,
-    EngineRefused,
     ExtraMissing,
     InvalidFile,
     SimulationDiverged,
+    SomoError,
     Terminated,
 )
 
@@ -77,36 +77,41 @@ def report_errors(command: Command) -> Command:
     def wrapped(*args: object, **kwargs: object) -> None:
         try:
             command(*args, **kwargs)
-        except InvalidFile as error:
-            terminal.print_problems(error.problems, error.texts)
-            raise typer.Exit(3) from error
-        except SimulationDiverged as error:
-            terminal.print_message(f"somo: the simulation diverged at {error}")
-            terminal.print_message(f"  hint: {error.hint}")
-            raise typer.Exit(4) from error
-        except EngineRefused as error:
-            terminal.print_message(f"somo: {error}")
-            raise typer.Exit(3) from error
-        except (EngineMissing, ExtraMissing) as error:
-            terminal.print_message(f"somo: {error}")
-            raise typer.Exit(5) from error
-        except BrokenPipeError as error:
-            # the reader has closed the pipe; Python must not flush into it at exit
-            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-            raise typer.Exit(0) from error
-        except OSError as error:
-            terminal.print_message(
-                f"somo: {error.filename or 'standard output'}: {error.strerror or error}"
-            )
-            raise typer.Exit(5) from error
-        except KeyboardInterrupt as error:
-            if isinstance(error, Terminated):
-                terminal.print_message(f"somo: terminated by signal {error.number}")
-                raise typer.Exit(128 + error.number) from error
-            terminal.print_message("somo: interrupted")
-            raise typer.Exit(130) from error
+        except (SomoError, OSError, KeyboardInterrupt) as error:
+            raise typer.Exit(_reported(error)) from error
 
     return wrapped  # type: ignore[return-value]
+
+
+def _reported(error: SomoError | OSError | KeyboardInterrupt) -> int:
+    """Print the message of an error; return the exit code."""
+    if isinstance(error, SomoError):
+        return _reported_user_error(error)
+    if isinstance(error, BrokenPipeError):
+        # the reader has closed the pipe; Python must not flush into it at exit
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        return 0
+    if isinstance(error, OSError):
+        name = error.filename or "standard output"
+        terminal.print_message(f"somo: {name}: {error.strerror or error}")
+        return 5
+    if isinstance(error, Terminated):
+        terminal.print_message(f"somo: terminated by signal {error.number}")
+        return 128 + error.number
+    terminal.print_message("somo: interrupted")
+    return 130
+
+
+def _reported_user_error(error: SomoError) -> int:
+    if isinstance(error, InvalidFile):
+        terminal.print_problems(error.problems, error.texts)
+        return 3
+    if isinstance(error, SimulationDiverged):
+        terminal.print_message(f"somo: the simulation diverged at {error}")
+        terminal.print_message(f"  hint: {error.hint}")
+        return 4
+    terminal.print_message(f"somo: {error}")
+    return 5 if isinstance(error, EngineMissing | ExtraMissing) else 3
 
 
 def _print_version(is_asked: bool) -> None:

@@ -1,7 +1,7 @@
 """somo build: compile a definition to a scaled URDF."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -15,6 +15,9 @@ from somo_cli.cli.application import (
     require,
 )
 from somo_cli.cli.outputs import refuse_overwriting, refuse_replacing_unknown
+
+if TYPE_CHECKING:
+    from somo_cli.manipulator.chain import Chain
 
 
 @app.command(epilog=EXIT_CODES)
@@ -66,10 +69,8 @@ def build(
     loading.refuse_scene(document)
     compiled = compile_definition(document)
     terminal.print_problems(compiled.warnings, document.texts)
-    names = {link.name for link in compiled.chain.links}
-    frames = {f"{limb.prefix}{tip_frame}" for limb in compiled.chain.backbones}
-    is_new = tip_frame is None or names.isdisjoint(frames)
-    require(is_new, "--tip-frame", f"a link is named {tip_frame} already")
+    if tip_frame is not None:
+        _require_new_frames(compiled.chain, tip_frame)
     own = compiled.scale or Scale()
     wanted = own if scale is None else Scale(scale, own.mass)
     text = compiled.urdf(wanted, tip_frame)
@@ -77,17 +78,29 @@ def build(
         from somo_cli.manipulator.urdf_readback import require_equal
 
         require_equal(text, compiled.scaled_chain(wanted))
-    name = compiled.definition.urdf_filename or f"{Path(definition).stem}.urdf"
-    refuse_overwriting(document, output or name)
-    if output is None and compiled.definition.urdf_filename:
-        refuse_replacing_unknown(name, definition)
-    if output == "-":
+    written = output or _default_output(definition, compiled.definition.urdf_filename)
+    refuse_overwriting(document, written)
+    if written == "-":
         with output_files.open_partial("-") as stream:
             stream.write(text)
         return
-    output_files.write_atomically(output or name, text)
+    output_files.write_atomically(written, text)
     if not quiet:
-        terminal.print_message(f"{output or name}: {compiled.described(wanted)}")
+        terminal.print_message(f"{written}: {compiled.described(wanted)}")
+
+
+def _require_new_frames(chain: "Chain", tip_frame: str) -> None:
+    names = {link.name for link in chain.links}
+    frames = {f"{limb.prefix}{tip_frame}" for limb in chain.backbones}
+    require(names.isdisjoint(frames), "--tip-frame", f"a link is named {tip_frame} already")
+
+
+def _default_output(definition: str, urdf_filename: str | None) -> str:
+    """Return the URDF's name by its definition, which replaces no file that somo did not write."""
+    if not urdf_filename:
+        return f"{Path(definition).stem}.urdf"
+    refuse_replacing_unknown(urdf_filename, definition)
+    return urdf_filename
 
 
 def _is_name(text: str) -> bool:
