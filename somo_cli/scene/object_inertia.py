@@ -46,7 +46,7 @@ def mended_inertias(body: UrdfRigidBody, data: Mapping[str, Any]) -> str:
     """
     found: list[str] = []
     for link in body.links:
-        if link.declared is None or (takes_solid(data) and (link.filled or needs_no_mass(data))):
+        if link.declared is None or (takes_solid(data) and (link.filled or has_own_mass(data))):
             continue
         given, used = (
             described(one, 4)

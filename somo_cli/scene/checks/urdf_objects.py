@@ -44,10 +44,9 @@ def _shape_problems(body: UrdfRigidBody) -> Iterator[Problem]:
     if compound.is_too_much(solids):
         others = compound.shape_count(solids) - 1
         most = f"the engine takes at most {compound.MAX_SHAPES - 1} beside meshes"
-        message = (
-            f"the object has meshes and {others} other shapes, and {most}; a capsule counts as three"
-        )
-        hint = "leave some out, use meshes in their place, or no meshes: then any number is possible"
+        counted = "a capsule counts as three"
+        message = f"the object has meshes and {others} other shapes, and {most}; {counted}"
+        hint = "leave some out, or use meshes alone, or none: then any number is possible"
         yield Problem(body.span, message, hint)
     for span, name, found in body.meshes:
         yield from hull_warnings(span, f"mesh '{name}'", found)
