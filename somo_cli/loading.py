@@ -25,6 +25,7 @@ from somo_cli.problems import (
 )
 from somo_cli.scene import model as scene_model
 from somo_cli.scene import motion_files, object_files, proximity
+from somo_cli.scene import reader as scene_reader
 from somo_cli.scene.checks import scene as scene_checks
 from somo_cli.scene.checks import sorotraj as sorotraj_checks
 from somo_cli.scene.model import Scene
@@ -185,7 +186,7 @@ def overlaps(document: Document, found: Scene | None = None) -> tuple[Problem, .
     """
     if not scene_model.is_scene(document):
         return ()
-    found = found or scene_model.read_scene(document)
+    found = found or scene_reader.read_scene(document)
     if not proximity.can_overlap_at_start(found):
         return ()
     # the engine's own contact detection decides what a run would push apart; few scenes need it

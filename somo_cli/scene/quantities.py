@@ -11,7 +11,8 @@ from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
 from somo_cli.manipulator.chain import Chain
-from somo_cli.scene.model import Quantity, limbs_by_tip_name
+from somo_cli.scene.model import Quantity
+from somo_cli.scene.reader import limbs_by_tip_name
 from somo_cli.scene.rigid_object import ObjectQuantity
 
 Need: TypeAlias = Literal["base_pose", "velocities", "contacts"]

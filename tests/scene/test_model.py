@@ -11,6 +11,7 @@ import pytest
 from somo_cli.document.parse import parse
 from somo_cli.manipulator.dimensions import Scale
 from somo_cli.scene import model as scene_model
+from somo_cli.scene import reader as scene_reader
 from somo_cli.scene.actuation import Actuation, WaveProfile, WaypointProfile
 from somo_cli.scene.contact_surface import (
     DEFAULT_SURFACE,
@@ -158,7 +159,7 @@ def test_loads_are_on_links_of_the_chain() -> None:
         ExternalLoad(0, nothing, (1, 0, 0), nothing, "world", ((0, 1),), "linear", False),
     )
     with pytest.raises(ValueError, match="elbow"):
-        scene_model.link_index("elbow", one.compiled.chain)
+        scene_reader.link_index("elbow", one.compiled.chain)
 
 
 def test_a_pressure_becomes_the_torque_that_the_joints_make_of_it() -> None:
@@ -226,8 +227,8 @@ def test_whole_numbers_become_floats() -> None:
 
 
 def test_one_number_is_for_every_joint_and_a_list_for_each() -> None:
-    assert scene_model.values_per_joint(0.5, 3) == (0.5, 0.5, 0.5)
-    assert scene_model.values_per_joint([1, 2, 3], 3) == (1.0, 2.0, 3.0)
+    assert scene_reader.values_per_joint(0.5, 3) == (0.5, 0.5, 0.5)
+    assert scene_reader.values_per_joint([1, 2, 3], 3) == (1.0, 2.0, 3.0)
 
 
 def test_a_file_in_place_of_a_mapping() -> None:

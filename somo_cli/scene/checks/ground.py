@@ -12,7 +12,7 @@ from somo_cli.manipulator.kinematics import Pose, link_poses
 from somo_cli.manipulator.link_checks import IsSound
 from somo_cli.problems import Pointer, Problem
 from somo_cli.scene.extents import MAX_RELATIVE_DEPTH, min_height
-from somo_cli.scene.model import initial_angles_of
+from somo_cli.scene.reader import initial_angles_of
 
 
 def ground_problems(

@@ -9,7 +9,7 @@ from somo_cli.document.parse import Document
 from somo_cli.manipulator.chain import Chain
 from somo_cli.problems import Pointer, Problem, did_you_mean
 from somo_cli.scene.checks.waypoints import waypoint_problems
-from somo_cli.scene.model import limbs_by_tip_name, link_index
+from somo_cli.scene.reader import limbs_by_tip_name, link_index
 
 
 def load_problems(

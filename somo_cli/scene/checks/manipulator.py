@@ -16,7 +16,8 @@ from somo_cli.scene.checks import actuation_targets as actuation_target_checks
 from somo_cli.scene.checks import ground as ground_checks
 from somo_cli.scene.checks import loads as loads_checks
 from somo_cli.scene.checks import motion as motion_checks
-from somo_cli.scene.model import NEUTRAL, initial_angles_of
+from somo_cli.scene.model import NEUTRAL
+from somo_cli.scene.reader import initial_angles_of
 
 
 def manipulator_problems(

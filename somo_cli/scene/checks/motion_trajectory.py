@@ -10,8 +10,8 @@ from somo_cli.document.parse import Document
 from somo_cli.problems import Pointer, Problem, Span, did_you_mean, has_errors
 from somo_cli.scene.checks import sorotraj
 from somo_cli.scene.checks.motion_start import about_problems, pose_problems
-from somo_cli.scene.model import read_trajectories
 from somo_cli.scene.prescribed_motion import POSE_CHANNELS, POSITION_CHANNELS, read_motion
+from somo_cli.scene.reader import read_trajectories
 
 MIN_KNOT_INTERVAL = 1e-9  # s: knots of a trajectory that are nearer than this are a jump
 

@@ -12,7 +12,7 @@ from somo_cli.scene.checks import motion as motion_checks
 from somo_cli.scene.checks import object_shapes as object_shapes_checks
 from somo_cli.scene.checks import placement as placement_checks
 from somo_cli.scene.extents import MAX_RELATIVE_DEPTH, min_height
-from somo_cli.scene.model import manipulator_name_of
+from somo_cli.scene.reader import manipulator_name_of
 from somo_cli.scene.rigid_object import read_object
 
 _KEYS_SETTING_HEIGHT = {"motion", "place"}

@@ -21,13 +21,8 @@ from somo_cli.scene.checks import soft_ground as soft_ground_checks
 from somo_cli.scene.checks import sorotraj as sorotraj_checks
 from somo_cli.scene.checks import stop_conditions as stop_conditions_checks
 from somo_cli.scene.checks.manipulator import manipulator_problems
-from somo_cli.scene.model import (
-    AUTOMATIC_TIME_STEP,
-    FILE_POINTERS,
-    Scene,
-    manipulator_name_of,
-    read_scene,
-)
+from somo_cli.scene.model import AUTOMATIC_TIME_STEP, FILE_POINTERS, Scene
+from somo_cli.scene.reader import manipulator_name_of, read_scene
 
 NO_AUTOMATIC_TIME_STEP = (
     "no time step can be chosen: one is chosen for joints of manipulators, and the scene has none"
