@@ -127,6 +127,14 @@ def test_a_number_of_a_csv_has_the_bounds_of_all_numbers(
     assert "no number may be larger than 1e+20" in done.stderr
 
 
+def test_measurements_too_small_for_their_squares_are_refused(somo: Somo, here: Path) -> None:
+    text = "pressure_pa,force_n\n0,0\n1e-200,1\n2e-200,2\n-1e-200,-1\n"
+    (here / "data.csv").write_text(text, "utf-8")
+    done = somo("calibrate", "torque", "--length", "0.1", "--joints", "5", "--data", "data.csv")
+    assert (done.returncode, done.stdout) == (3, "")
+    assert "data.csv:1:1: error: the numbers of 'pressure_pa' are too small" in done.stderr
+
+
 def test_a_scale_far_from_one_is_refused(somo: Somo, here: Path) -> None:
     for scale in ("1e-160", "1e-7", "1e7", "0", "nan"):
         done = somo("build", "finger.yaml", "--scale", scale, "-o", "-")

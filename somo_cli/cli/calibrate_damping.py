@@ -18,7 +18,7 @@ from somo_cli.cli.calibrate import (
     calibrate,
 )
 from somo_cli.cli.calibrate_result import require_targets, write_result
-from somo_cli.cli.tables import read_table_file
+from somo_cli.cli.tables import read_measurements
 from somo_cli.problems import InvalidFile, Problem
 
 if TYPE_CHECKING:
@@ -151,7 +151,7 @@ def _ring_down(path: str, column: str | None, begin: float, end: float) -> "Ring
     from somo_cli.calibration.ring_down import MINIMUM_POINTS, NoRingDown, ring_down
     from somo_cli.document.table import require_columns
 
-    table = read_table_file(path)
+    table = read_measurements(path)
     name = column or _only_column(table)
     require_columns(table, (TIME, name), TIME, MINIMUM_POINTS, "a ring-down")
     try:

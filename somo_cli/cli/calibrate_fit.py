@@ -17,7 +17,7 @@ from somo_cli.cli.application import (
 )
 from somo_cli.cli.calibrate import JsonOption, PatchOption, WriteOption, calibrate
 from somo_cli.cli.calibrate_result import require_targets, write_result
-from somo_cli.cli.tables import read_table_file
+from somo_cli.cli.tables import read_measurements
 
 if TYPE_CHECKING:
     from somo_cli.calibration.fit import FitResult
@@ -89,7 +89,7 @@ def fit(
     document = loading.as_scene(document)
     loading.refuse_multiple(document, planned, "a fit is")
     require_targets(document, write, patch)
-    table = read_table_file(data)
+    table = read_measurements(data)
     require_columns(table, (TIME,), TIME, MIN_ROWS, "a fit")
     measured = measurement(table, planned, columns.split(",") if columns else ())
     known = _parameters(planned, kinds)

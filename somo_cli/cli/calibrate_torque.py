@@ -32,7 +32,7 @@ from somo_cli.cli.calibrate_joints import (
     joints_to_calibrate,
 )
 from somo_cli.cli.calibrate_result import write_result
-from somo_cli.cli.tables import read_table_file
+from somo_cli.cli.tables import read_measurements
 
 if TYPE_CHECKING:
     from somo_cli.calibration.blocked_force_points import BlockedForcePoint
@@ -148,7 +148,7 @@ def _points(
         return [(pressure, force)]
     from somo_cli.document.table import require_columns
 
-    table = read_table_file(data)
+    table = read_measurements(data)
     require_columns(table, (PRESSURE, FORCE), None, 3, "a line with an error")
     pressures = table.columns[PRESSURE]
     require(len(set(pressures)) > 1, "--data", "all points are at the same pressure")
