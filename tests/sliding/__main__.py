@@ -14,6 +14,8 @@ from tests.sliding.uncorrected import uncorrected
 
 STEPS = (2.5e-4, 1e-3, 2e-3)  # s
 STEP_UNCORRECTED = 1e-3  # s
+STIFF_CASES = (("ball", "falls"), ("ball", "slides"), ("cube", "falls"), ("cube", "rests"))
+STIFFNESS_RATIOS = (0.1, 0.2, 0.3, 0.5, 1.0)
 
 
 def plain() -> None:
@@ -55,7 +57,26 @@ def soft() -> None:
             print(f"{body:9}{state:9}{reported}", flush=True)
 
 
+def stiff() -> None:
+    """Print what a ball and a cube win over how stiff the ground is for their mass and step."""
+    print(
+        "won at 1 ms over step x root of stiffness / mass; damping 0.66 of root (stiffness x mass)"
+    )
+    print(f"{'':6}" + "".join(f"{body + ' ' + state:>14}" for body, state in STIFF_CASES))
+    for ratio in STIFFNESS_RATIOS:
+        gains = (_won_over_stiffness(body, state, ratio) for body, state in STIFF_CASES)
+        print(f"{ratio:6g}" + "".join(f"{gain:14.4f}" for gain in gains), flush=True)
+
+
+def _won_over_stiffness(body: str, state: str, ratio: float) -> float:
+    mass = float(SHAPES[body]["mass"])
+    stiffness = mass * (ratio / STEP_UNCORRECTED) ** 2
+    damping = 0.66 * math.sqrt(stiffness * mass)
+    return won(body, state, STEP_UNCORRECTED, stiffness=stiffness, damping=damping)[0]
+
+
 if __name__ == "__main__":
     plain()
     sliding()
     soft()
+    stiff()
