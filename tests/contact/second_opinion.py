@@ -13,10 +13,12 @@ import mujoco
 import numpy as np
 
 from somo_cli.manipulator import geometry
+from somo_cli.manipulator.solids import Box, Solid, Sphere
 from somo_cli.manipulator.urdf import render
 from somo_cli.scene.actuation import Actuation
 from somo_cli.scene.model import Manipulator, Scene
 from somo_cli.scene.rigid_object import RigidObject
+from somo_cli.scene.signals import Signal
 from tests.contact.cases import Case
 
 STEP = 2e-5  # s
@@ -92,9 +94,17 @@ def _add(spec: mujoco.MjSpec, one_object: RigidObject) -> None:
     )
     if not one_object.is_fixed:
         body.add_freejoint()
-    size = [half / 2 for half in shape.solid.size]  # boxes are all that the bench has
     mass = one_object.chain.links[0].inertial.mass
-    body.add_geom(name=one_object.name, type=mujoco.mjtGeom.mjGEOM_BOX, size=size, mass=mass)
+    kind, size = _geom(shape.solid)
+    body.add_geom(name=one_object.name, type=kind, size=size, mass=mass)
+
+
+def _geom(solid: Solid) -> tuple[mujoco.mjtGeom, list[float]]:
+    """Return the type and size of a box or ball: the bench has no other objects."""
+    if isinstance(solid, Sphere):
+        return mujoco.mjtGeom.mjGEOM_SPHERE, [solid.radius, 0, 0]
+    assert isinstance(solid, Box)
+    return mujoco.mjtGeom.mjGEOM_BOX, [side / 2 for side in solid.size]
 
 
 def _set_springs(model: mujoco.MjModel, one: Manipulator) -> None:
@@ -134,11 +144,7 @@ def _columns(case: Case, scene: Scene, model: mujoco.MjModel) -> dict[str, np.nd
         if not one_object.is_fixed:
             at = model.jnt_dofadr[model.body(one_object.name).jntadr[0]]
             state.qvel[at : at + 3] = one_object.linear_velocity
-    drives = [
-        (entry.profile.signal(), _dofs(model, one, entry))
-        for one in scene.manipulators
-        for entry in one.actuation
-    ]
+    drives = drives_of(model, scene)
     table: dict[str, list[float]] = {"time_s": []}
     first = scene.manipulators[0].name
     monitored = {one_object.name for one_object in scene.objects if not one_object.is_fixed}
@@ -154,6 +160,15 @@ def _columns(case: Case, scene: Scene, model: mujoco.MjModel) -> dict[str, np.nd
         pressed = _normal_force(model, state, first)
         table.setdefault(f"{first}.contact.normal_n", []).append(pressed)
     return {name: np.array(values) for name, values in table.items()}
+
+
+def drives_of(model: mujoco.MjModel, scene: Scene) -> list[tuple[Signal, list[int]]]:
+    """Return the torque of each actuation over time, and the coordinates that it acts on."""
+    return [
+        (entry.profile.signal(), _dofs(model, one, entry))
+        for one in scene.manipulators
+        for entry in one.actuation
+    ]
 
 
 def _dofs(model: mujoco.MjModel, one: Manipulator, entry: Actuation) -> list[int]:

@@ -12,6 +12,7 @@ import numpy as np
 from somo_cli.arrays import Array
 from somo_cli.problems import SimulationDiverged
 from somo_cli.scene import columns
+from somo_cli.scene.model import Scene
 from somo_cli.simulation import run
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.build import make_plan
@@ -50,20 +51,31 @@ class Verdict:
 
 def held(grasp: Grasp, step: float) -> Held | None:
     """Run a grasp, and return how the object is held in the end, None if the run diverged."""
-    plan = make_plan(grasp.scene(step))
+    return held_in(grasp.scene(step), "object", END)
+
+
+def held_in(scene: Scene, name: str, end: float) -> Held | None:
+    """Run a scene that records an object, and return how it is held at the end [s].
+
+    None if the run diverged.
+    """
+    plan = make_plan(scene)
     blocks: list[Array] = []
     try:
         with BulletWorld(plan) as world:
-            steps = round(END / step)
             summary = run.run(
-                plan, world, lambda block: blocks.append(block.copy()), steps, time.perf_counter
+                plan,
+                world,
+                lambda block: blocks.append(block.copy()),
+                round(end / scene.time_step),
+                time.process_time,  # other processes do not count
             )
     except SimulationDiverged:
         return None
     table = dict(zip(columns.header(plan.recorded), np.concatenate(blocks).T, strict=True))
-    quiet = table["time_s"] > END - QUIET
-    force = table["object.contact.normal_n"][quiet]
-    place = np.array([table[f"object.pose.{axis}_m"][-1] for axis in "xyz"])
+    quiet = table["time_s"] > end - QUIET
+    force = table[f"{name}.contact.normal_n"][quiet]
+    place = np.array([table[f"{name}.pose.{axis}_m"][-1] for axis in "xyz"])
     return Held(float(force.mean()), float(force.std()), place, summary.wall_time / summary.steps)
 
 
@@ -78,11 +90,15 @@ def converged(grasp: Grasp) -> Held:
 
 def verdict(grasp: Grasp, step: float) -> Verdict:
     """Run a grasp, and compare it with the converged run."""
-    fine, coarse = converged(grasp), held(grasp, step)
+    return compared(converged(grasp), held(grasp, step), 2 * RADIUS)
+
+
+def compared(fine: Held, coarse: Held | None, size: float) -> Verdict:
+    """Compare a run with the converged one; `size` is that of the object [m]."""
     if coarse is None:
         return Verdict(math.inf, math.inf, math.inf)
     return Verdict(
         coarse.deviation / max(coarse.force, 1e-9),
         abs(coarse.force / max(fine.force, 1e-9) - 1),
-        float(np.linalg.norm(coarse.place - fine.place)) / (2 * RADIUS),
+        float(np.linalg.norm(coarse.place - fine.place)) / size,
     )

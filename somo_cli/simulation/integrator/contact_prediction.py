@@ -6,7 +6,10 @@ shakes. So the change of contact forces in the coming step is predicted, for all
 together (see `contact_change`), and the accelerations of the law get its effect. At rest nothing
 changes, so equilibria stay exact. Where nothing presses nothing runs.
 
-Points that do not press yet are left out: predicted too early, they threw objects away.
+Points that do not press yet are left out: predicted too early, they threw objects away. So are
+links that have just met: what was measured of an impact is gone in the next step. Four fingers that
+strike a cube at 1 ms threw it up 0.5 mm too far where they were predicted at once, and 1.9 mm at
+2 ms; two steps later it is 0.1 and 0.4 mm.
 """
 
 from __future__ import annotations
@@ -25,6 +28,7 @@ from somo_cli.simulation.plan.model import Plan
 MOST_POINTS = 48  # that press with friction, or three times as many without: more are not
 # predicted, since a step would take many times as long
 STEPS_KEPT = 8  # for which the geometry of contact is reused while the same points press
+IMPACT_STEPS = 2  # in which links that have just met are not predicted
 MOST_RECENT = 4  # sets of points of which the geometry is kept
 MOST_KNOWN = 1000  # sets of points of which is kept where they are felt
 
@@ -77,6 +81,7 @@ class ContactPrediction:
         self.count = PredictionCount()
         """What was predicted so far."""
         self._felt_keys: tuple[Hashable, ...] = ()
+        self._waits = 0  # steps until a new contact is predicted
         self._contact: CoupledContact | None = None
         self._recent: dict[tuple[Hashable, ...], CoupledContact] = {}
         self._age = 0
@@ -121,6 +126,9 @@ class ContactPrediction:
             self._note_unpredicted()
             self._contact = None
             return False
+        if self._waits:
+            self._waits -= 1
+            return False
         return True
 
     def _note_unpredicted(self) -> None:
@@ -136,6 +144,8 @@ class ContactPrediction:
             felt = self._known[tuple(keys)] = self._find_felt()
         before = self._felt_keys
         self._felt_keys = tuple(keys[index] for index in felt.points)
+        if not set(before).issuperset(self._felt_keys):
+            self._waits = IMPACT_STEPS
         if before != self._felt_keys:
             self._contact, self._age = self._recent.get(self._felt_keys), STEPS_KEPT
         self._keys, self._felt = keys, felt
