@@ -19,6 +19,7 @@ from tests.builders.scenes import scene_from_text
 
 Data = dict[str, Any]
 Shape = Literal["ball", "cube", "capsule"]
+Integrator = Literal["implicit", "euler"]
 Task = Literal["held", "lifted", "released", "sliding", "handed over"]
 
 RADIUS = 0.03  # m: half the size of the object
@@ -42,14 +43,20 @@ class Grasp:
     mass_ratio: float = 10.0
     damping_ratio: float = 0.1
     shape: Shape = "ball"
+    integrator: Integrator = "implicit"
 
     @property
     def name(self) -> str:
         """What the tables call it."""
         return (
             f"{self.shape} {self.task}, {self.fingers} fingers, mass x {self.mass_ratio:g}, "
-            f"damping {self.damping_ratio:g}"
+            f"damping {self.damping_ratio:g}{', euler' if self.integrator == 'euler' else ''}"
         )
+
+    @property
+    def has_mirror_images(self) -> bool:
+        """Whether rounding decides to which of two sides the object gives way."""
+        return self.fingers == 2
 
     @property
     def mass(self) -> float:
@@ -67,7 +74,8 @@ class Grasp:
         data["gravity"] = [0, 0, -gravity]
         data["record"] = {"columns": ["contact_force"], "objects": ["pose", "contact_force"]}
         scene = scene_from_text(json.dumps(data))
-        return dataclasses.replace(scene, time_step=step, every=max(1, round(2e-3 / step)))
+        every = max(1, round(2e-3 / step))
+        return dataclasses.replace(scene, time_step=step, every=every, integrator=self.integrator)
 
     @property
     def _friction(self) -> float:
@@ -172,6 +180,7 @@ def _undamped() -> ChainDynamics:
 
 RATIOS = (0.1, 1.0, 10.0, 100.0)
 DAMPINGS = (0.02, 0.05, 0.1, 0.5)
+ENDS = DAMPINGS[0], DAMPINGS[-1]
 
 
 def cases() -> tuple[Grasp, ...]:
@@ -185,4 +194,10 @@ def cases() -> tuple[Grasp, ...]:
     others += [Grasp(fingers=2, shape="cube")]
     shapes: tuple[Shape, ...] = ("cube", "capsule")
     others += [Grasp(task, 4, shape=shape) for shape in shapes for task in ("held", "lifted")]
+    light, heavy = ({"mass_ratio": one} for one in (0.1, 100.0))
+    others += [Grasp(task, 4, shape="cube", **one) for task in tasks for one in (light, heavy)]
+    others += [Grasp(task, 4, damping_ratio=one, shape="cube") for task in tasks for one in ENDS]
+    others += [Grasp(task, 4, shape="capsule") for task in tasks[1:]]
+    others += [Grasp("sliding"), Grasp("lifted", 2, shape="cube")]
+    others += [Grasp(integrator="euler"), Grasp("lifted", 4, shape="cube", integrator="euler")]
     return (*grid, *others)

@@ -1,21 +1,31 @@
-"""The grasp of a ball in MuJoCo, at the same steps, with contact as stiff as its step allows."""
+"""The grasp of a ball in MuJoCo, at the same steps.
+
+Of the contacts that were tried at 0.25 to 2 ms (as stiff as two steps allow or its default
+softness; friction as stiff as the normal force, or 10 or 100 times) the default softness with 10 is
+the best: with most others the ball slips up between the fingers. At 0.1 ms the stiffest holds it
+where our converged run does, to 0.1 mm.
+"""
 
 from __future__ import annotations
 
 import mujoco
 import numpy as np
 
-from tests.contact.second_opinion import STIFF, drives_of, model_of
+from tests.contact.second_opinion import drives_of, model_of
 from tests.grasp.cases import END, RADIUS, Grasp
 from tests.grasp.trial import QUIET, Held
+
+SOFT = (0.02, 1.0)  # s, damping ratio: MuJoCo's default
+IMPEDANCE = (0.9, 0.95, 0.001, 0.5, 2.0)  # its default as well
+FRICTION_STIFFNESS = 10
 
 
 def held_in_mujoco(grasp: Grasp, step: float) -> Held:
     """Return how an object is held in the end by fingers whose bases do not move."""
     scene = grasp.scene(step)
     model = model_of(scene, step)
-    # a contact that recovers faster than in two steps is not stable
-    model.geom_solref[:, 0] = max(STIFF[0], 2 * step)
+    model.geom_solref[:], model.geom_solimp[:] = SOFT, IMPEDANCE
+    model.opt.impratio = FRICTION_STIFFNESS
     state = mujoco.MjData(model)
     drives = drives_of(model, scene)
     thing = model.body("object").id
