@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from somo_cli.analysis import conditioning
+from somo_cli.analysis.contact_step import contact_step
 from somo_cli.analysis.modes import SingularInertia
 from somo_cli.analysis.round_steps import round_down_step
 from somo_cli.analysis.stability import (
@@ -43,9 +44,10 @@ class NumericsReport:
 
     def recommended_step_for(self, integrator: Integrator) -> float:
         """Return the recommended step for all bodies together [s]; nan if unknown."""
-        return min(
-            (one.recommended_step_for(integrator) for one in self.forecasts), default=math.nan
-        )
+        if not self.forecasts:
+            return math.nan
+        steps = (one.recommended_step_for(integrator) for one in self.forecasts)
+        return min(contact_step(self.plan), *steps)
 
     @property
     def explicit_step(self) -> float:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from somo_cli.analysis.contact_step import contact_step
 from somo_cli.analysis.modes import Modes, modes_at
 from somo_cli.analysis.prediction import ModalMotion, predict_motion
 from somo_cli.analysis.round_steps import round_down_step
@@ -77,11 +78,12 @@ def forecast_of(
 def recommended_step(plan: Plan, target: float = TARGET_TIP_ERROR) -> tuple[float, float]:
     """Return the recommended step [s] for the integrator of a plan, and its expected tip error.
 
-    The step is the smallest of all bodies, the error the largest, relative to the length. Raises
-    SingularInertia.
+    The step is the smallest of all bodies, and that of contact if they can touch; the error is the
+    largest in free motion, relative to the length. Raises SingularInertia.
     """
     forecasts = [forecast_of(plan, body) for body in plan.bodies]
     step = min(one.recommended_step_for(plan.integrator, target) for one in forecasts)
+    step = min(step, contact_step(plan))
     return step, predicted_error(forecasts, plan.integrator, step)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from somo_cli.analysis.contact_step import contact_step
 from somo_cli.analysis.numerics import NumericsReport
 from somo_cli.analysis.stability import StabilityForecast
 from somo_cli.analysis.text_table import table_lines
@@ -23,7 +24,9 @@ def table(report: NumericsReport) -> list[str]:
     if plan.bodies:
         rows.append(["recommended step", *INTEGRATORS])
         rows.append(["", *(f"{report.recommended_step_for(name):g} s" for name in INTEGRATORS)])
-    return [*table_lines(rows), f"{plan.integrator} at {plan.time_step:g} s: {_verdict(report)}"]
+    verdict = f"{plan.integrator} at {plan.time_step:g} s: {_verdict(report)}"
+    contact = [_contact_verdict(report)] if plan.bodies and plan.can_touch else []
+    return [*table_lines(rows), verdict, *contact]
 
 
 def _verdict(report: NumericsReport) -> str:
@@ -41,7 +44,22 @@ def _verdict(report: NumericsReport) -> str:
         stable = f"stable, {plan.time_step / limit:.2g} of its limit of {limit:.3g} s"
     else:
         stable = "stable"
-    return f"{stable}; a tip error of about {100 * report.error:.2g} % of the length is expected"
+    expected = (
+        f"{stable}; a tip error of about {100 * report.error:.2g} % of the length is expected"
+    )
+    strikes = any(one.code == "limits-met" for one in report.findings)
+    return f"{expected}, impacts at joint limits not counted" if strikes else expected
+
+
+def _contact_verdict(report: NumericsReport) -> str:
+    """Return what is known of contact before a run: a rule, and how to know more."""
+    step, largest = report.plan.time_step, contact_step(report.plan)
+    rule = (
+        f"{step:g} s is within the rule of at most {largest:g} s"
+        if step <= largest
+        else f"{step:g} s is above the rule of at most {largest:g} s"
+    )
+    return f"contact is not judged, {rule}: run --tolerance or --error measures its error"
 
 
 def _forecast_rows(one: StabilityForecast) -> Iterator[list[str]]:
@@ -74,6 +92,7 @@ def plain_data(report: NumericsReport) -> dict[str, object]:
         "integrator": plan.integrator,
         "time_step_s": plan.time_step,
         "verdict": _verdict(report),
+        "contact_step_s": _finite(contact_step(plan)),
         "expected_tip_error_relative": _finite(report.error),
         "explicit_step_s": _finite(report.explicit_step),
         "recommended_time_step_s": {
