@@ -11,9 +11,11 @@ IRREGULAR_SHARE = 1.5
 """The error of a run over its distance from one at half the step, where no order is seen.
 
 Where bodies strike each other, and where friction sticks, errors change with the step without a
-rule. If errors of sizes 1 and 1/2 have nothing to do with each other, their distance is 1.1 times
-the error of the run; of 92 such errors of shipped scenes, whose true size is known from a sixteenth
-of the step, half were within a factor of 1.5 of 1.5 times the distance and a sixth were larger.
+rule. The value is fitted to 15 shipped scenes at four steps, against runs at a sixteenth of their
+own step. Of 123 groups of columns without an order, the error told was within a factor of 1.5 of the
+true one for 69 %, within 3 for 94 %, and too small by more than a third for 11 %. Of 64 with an
+order it was 80, 88 and 6 %. Left out are errors below 1e-4 of the scale, and those that the finest
+run does not settle (it is off from the run at an eighth by more than a third of the error).
 """
 
 
