@@ -19,7 +19,7 @@ ifneq ($(PYTHON),$(shell cat $(READY) 2>/dev/null))
 endif
 endif
 
-.PHONY: all help sync demo test test-fast test-all check format map golden bench truth contact grasp sliding free-bodies objects trust extreme studies build clean
+.PHONY: all help sync demo test test-fast test-all check format map golden bench truth contact grasp sliding free-bodies objects predict trust extreme studies build clean
 .DELETE_ON_ERROR:
 
 all: help
@@ -113,6 +113,9 @@ grasp: sync ## hold grasps against converged ones, over masses, damping, shapes 
 
 extreme: sync ## run stiff and extreme cases (minutes), and compare with the matrix of before
 	$(RUN) tests.extreme
+
+predict: sync ## hold what runs tell of their error against the true one (minutes)
+	$(RUN) tests.predict
 
 trust: sync ## run random extreme contact scenes: what is unphysical must be found (minutes)
 	$(RUN) tests.trust
