@@ -12,8 +12,8 @@ IRREGULAR_SHARE = 1.5
 
 Where bodies strike each other, and where friction sticks, errors change with the step without a
 rule. The value is fitted to 15 shipped scenes at four steps, against runs at a sixteenth of their
-own step. Of 123 groups of columns without an order, the error told was within a factor of 1.5 of the
-true one for 69 %, within 3 for 94 %, and too small by more than a third for 11 %. Of 64 with an
+own step. Of 123 groups of columns without an order, the error told was within a factor of 1.5 of
+the true one for 69 %, within 3 for 94 %, and too small by more than a third for 11 %. Of 64 with an
 order it was 80, 88 and 6 %. Left out are errors below 1e-4 of the scale, and those that the finest
 run does not settle (it is off from the run at an eighth by more than a third of the error).
 """
