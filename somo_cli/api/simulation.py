@@ -235,7 +235,7 @@ class Simulation:
 
     @staticmethod
     def _unknown(name: str, known: Mapping[str, int]) -> str:
-        names = f"the names are {', '.join(known)}" if known else "there are no names"
+        names = f"the names are {', '.join(known)}" if known else "it has no such names at all"
         return f"the scene has no '{name}'; {names}"
 
 

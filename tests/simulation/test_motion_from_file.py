@@ -305,7 +305,7 @@ def test_what_does_not_go_together_is_an_error() -> None:
         "a repeated motion ends where it starts, at [0.0, 0.0, 0.0], not [0.3, 0.0, -0.2]",
     ]
     assert messages_of(moved_scene({"file": file}, "base", base="static")) == [
-        "motion is for a base that a constraint holds, this one is static"
+        "motion is for a constrained base, and this one is static"
     ]
 
 
