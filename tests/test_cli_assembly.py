@@ -107,7 +107,7 @@ def test_report_with_other_numbers_of_segments(somo: Somo, here: Path) -> None:
     [
         (("stiffness", "pair.yaml", "--tip-stiffness", "6"), "a calibration is"),
         (("torque", "pair.yaml", "--force", "0.7", "--pressure", "1e5"), "a calibration is"),
-        (("damping", "pair.yaml", "--ratio", "0.1"), "it is"),
+        (("damping", "pair.yaml", "--ratio", "0.1"), "a damping ratio is"),
         (("fit", "pair_scene.yaml", "--data", "pair.csv"), "a fit is"),
     ],
 )

@@ -196,13 +196,13 @@ def test_a_scene_without_uniform_segments_is_refused() -> None:
         study_of(cantilever(sets), (2e-2,), 0.2, segments=(5,))
 
 
-PENDULUM = PENDULUM.replace(
+SPRINGLESS = PENDULUM.replace(
     "spring_stiffness: 50, spring_damping: 0.5", "spring_stiffness: 0"
 ).replace("joint_neutral_position: 0.3", "joint_neutral_position: 0")
 
 
 def pendulum() -> Scene:
-    scene = scene_from_text(PENDULUM)
+    scene = scene_from_text(SPRINGLESS)
     one = dataclasses.replace(scene.manipulators[0], initial_angles=(1.5,), initial_rates=(-1.0,))
     return dataclasses.replace(scene, manipulators=(one,), reference="pendulum")
 
