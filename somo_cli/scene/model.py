@@ -155,7 +155,7 @@ def is_scene(document: Document) -> bool:
 
 def single_manipulator_scene(definition: Document) -> Document:
     """Return the scene of one manipulator alone: fixed, under gravity, everything default."""
-    # the whole scene stands where the definition stands, so that no fault points to nowhere
+    # the scene has the position of the definition, so that every problem has a position
     place: Pointer = ("manipulators", 0, "definition")
     spans = {(*place, *pointer): pair for pointer, pair in definition.spans.items()}
     spans |= {place[:length]: definition.spans[()] for length in range(len(place))}

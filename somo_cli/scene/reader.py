@@ -32,7 +32,7 @@ from somo_cli.scene.sorotraj import Trajectory, read_trajectory
 
 
 def read_trajectories(data: Any) -> Mapping[str, Trajectory]:
-    """Return the trajectories that a scene without faults names."""
+    """Return the trajectories of a scene without errors, by name."""
     return {
         item["name"]: read_trajectory(
             item["sorotraj"],

@@ -43,7 +43,7 @@ def motion_problems(
     data: Mapping[str, Any],
     channel_counts: Mapping[str, int | None],
 ) -> Iterator[Problem]:
-    """Yield every fault of the motion of the manipulator or object `data` at `at`.
+    """Yield the errors of the motion of the manipulator or object `data` at `at`.
 
     `channel_counts` has the number of channels of each trajectory, None if it is unknown.
     """

@@ -1,4 +1,4 @@
-"""Faults of a motion that a file gives, each at its place in that file."""
+"""Check a motion that a CSV gives; errors have their position in the CSV."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _KNOWN = (TIME, *POSITION, *ANGLES, *QUATERNION)
 def motion_file_problems(
     document: Document, at: Pointer, motion: Mapping[str, Any]
 ) -> Iterator[Problem]:
-    """Yield every fault of the motion at `at`, which a file gives."""
+    """Yield the errors and warnings about the motion at `at`, which a file gives."""
     file = motion["file"]
     try:
         table = read_table(file["text"], file["source"])

@@ -1,4 +1,4 @@
-"""Faults of where a motion starts, how it repeats and what it turns about, however it is given."""
+"""Check the start of a motion, its repetition and its point `about`."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ PlaceOf = Callable[[int], Span]
 def pose_problems(
     motion: Mapping[str, Any], part: str, points: Sequence[Sequence[float]], place: PlaceOf
 ) -> Iterator[Problem]:
-    """Yield faults of where the motion is at time zero and, if it repeats, at its end.
+    """Yield the errors of the pose at time zero and, if the motion repeats, at its end.
 
     `points` are [time, numbers]: three, or the four of a quaternion.
     """

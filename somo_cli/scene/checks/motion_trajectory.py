@@ -1,4 +1,4 @@
-"""Faults of a motion that a trajectory of the scene gives, each with its place."""
+"""Check a motion that a trajectory of the scene gives."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def motion_trajectory_problems(
     motion: Mapping[str, Any],
     channel_counts: Mapping[str, int | None],
 ) -> Iterator[Problem]:
-    """Yield every fault of the motion at `at`, which a trajectory of the scene gives.
+    """Yield the errors of the motion at `at`, which a trajectory of the scene gives.
 
     `channel_counts` has the number of channels of each trajectory, None if it is unknown.
     """
