@@ -42,8 +42,8 @@ def test_a_snake_that_lies_does_not_begin_to_roll() -> None:
     data = {"ground": SOFT, "manipulators": [snake], "record": record}
     found = course(scene_from_text(json.dumps(data)), 2e-3, 1.2)
     motion = next(value for name, value in found.items() if "kinetic" in name)
-    assert motion[-1] < 1e-11
-    assert motion[-1] < motion[len(motion) // 4]
+    # what is left swings by rounding, about 1e-12 J; what rolled off had 3e-3 J
+    assert motion[len(motion) // 2 :].max() < 1e-11
 
 
 def reported(**of_object: object) -> list[str]:
