@@ -6,7 +6,6 @@ interrupt it or a full disk may refuse what it prints.
 
 from __future__ import annotations
 
-import os
 import signal
 import sys
 from contextlib import suppress
@@ -51,20 +50,15 @@ def _run() -> int:
             code = 0
         sys.stdout.flush()
     except BrokenPipeError:
-        _drop_output()
+        files.drop_standard_output()
         return 0
     except OSError as error:
-        _drop_output()
+        files.drop_standard_output()
         from somo_cli import terminal
 
         terminal.print_message(f"somo: standard output: {error.strerror or error}")
         return 5
     return code
-
-
-def _drop_output() -> None:
-    """Lead standard output to nowhere: Python must not flush what is left into it at exit."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
 
 
 def _raise_terminated(number: int, frame: FrameType | None) -> NoReturn:

@@ -120,6 +120,11 @@ def open_standard_streams() -> None:
             setattr(sys, name, stream)
 
 
+def drop_standard_output() -> None:
+    """Lead standard output to the null device: Python must not flush what is left into it."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+
+
 @contextmanager
 def temporary_file() -> Iterator[BinaryIO]:
     """Yield a nameless file to write and read, which is deleted afterwards. Raises OSError."""

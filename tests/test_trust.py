@@ -6,6 +6,7 @@ import pytest
 
 from tests.trust.judge import Outcome, outcome
 from tests.trust.scenes import random_scenes
+from tests.trust.shipped import NAMES, shipped_findings
 
 COUNT = 100
 # each is quick, and of each family there is one that goes wrong and one that does not
@@ -24,6 +25,12 @@ def test_a_finger_that_is_crushed_in_one_step_is_found_and_one_that_is_caught_is
     crushed = outcome(scenes[22])
     assert crushed.end == "diverged" or "deep-penetration" in crushed.codes
     assert outcome(scenes[4]) == Outcome(scenes[4].name, 5e-4, "done")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NAMES)
+def test_a_shipped_scene_is_no_false_alarm(name: str) -> None:
+    assert shipped_findings(1.0, [name]) == []
 
 
 def test_the_same_seed_gives_the_same_scenes() -> None:

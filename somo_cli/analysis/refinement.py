@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Literal
@@ -58,9 +57,7 @@ class Refinement:
     @property
     def is_converged(self) -> bool:
         """Whether there are errors, and each is within its tolerance."""
-        return bool(self.errors) and all(
-            self.tolerances.excess(error) <= 1 for error in self.errors
-        )
+        return self.tolerances.are_met(self.errors)
 
     @property
     def run_time(self) -> float:
@@ -96,7 +93,6 @@ class Refiner:
         stack: ExitStack,
         max_halvings: int = MAX_HALVINGS,
         with_events: bool = False,
-        on_level: Callable[[LevelReport], None] = lambda level: None,
     ) -> None:
         self._plan = plan
         self._steps = steps
@@ -105,7 +101,6 @@ class Refiner:
         self._stack = stack
         self._max_halvings = max_halvings
         self._with_events = with_events
-        self._on_level = on_level
         self._levels: list[_Level] = []
         self._reports: list[LevelReport] = []
 
@@ -115,7 +110,7 @@ class Refiner:
         for halvings in range(-1, self._max_halvings + 1):
             errors = self._errors_at(halvings)
             is_first = halvings < 1  # the scene's own step is compared with half of it
-            if not is_first and self._is_within(errors):
+            if not is_first and self._tolerances.are_met(errors):
                 break
         finest = self._levels[-1]
         return Refinement(
@@ -128,9 +123,6 @@ class Refiner:
             tuple(self._reports),
             finest.events,
         )
-
-    def _is_within(self, errors: tuple[ColumnError, ...]) -> bool:
-        return bool(errors) and all(self._tolerances.excess(one) <= 1 for one in errors)
 
     def _errors_at(self, halvings: int) -> tuple[ColumnError, ...]:
         """Run a level and return its errors; none if there is no coarser run to compare it with."""
@@ -145,14 +137,15 @@ class Refiner:
             if halvings == self._max_halvings:
                 raise
             self._levels.clear()
-            self._report(LevelReport(plan.time_step, self._runner.run_time - before, "diverged"))
+            cost = self._runner.run_time - before
+            self._reports.append(LevelReport(plan.time_step, cost, "diverged"))
             return ()
         self._levels = [*self._levels[-2:], level]
         errors = self._compared() if halvings > 0 else ()
         worst = max(errors, key=self._tolerances.excess, default=None)
         excess = math.nan if worst is None else self._tolerances.excess(worst)
         cost = self._runner.run_time - before
-        self._report(LevelReport(plan.time_step, cost, "ok", worst, excess))
+        self._reports.append(LevelReport(plan.time_step, cost, "ok", worst, excess))
         return errors
 
     def _run(self, plan: Plan, steps: int, stride: int) -> _Level:
@@ -176,7 +169,3 @@ class Refiner:
             return ()
         unknown = ObservedOrder(math.nan, nominal, is_irregular=True)
         return errors_of_finer_run(self._plan, found, order, unknown)
-
-    def _report(self, level: LevelReport) -> None:
-        self._reports.append(level)
-        self._on_level(level)

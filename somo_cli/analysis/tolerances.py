@@ -29,6 +29,10 @@ class Tolerances:
                 return error.judged / value
         return 0.0 if self.share is None else error.relative / self.share
 
+    def are_met(self, errors: Sequence[ColumnError]) -> bool:
+        """Whether there are errors, and each is within its tolerance."""
+        return bool(errors) and all(self.excess(error) <= 1 for error in errors)
+
     def plain_data(self) -> dict[str, object]:
         """Return the same as values for JSON."""
         return {"relative": self.share, "columns": dict(self.by_pattern)}

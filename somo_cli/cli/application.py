@@ -1,13 +1,12 @@
 """The application, the options that commands share, and message and exit code of each error."""
 
 import functools
-import os
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
-from somo_cli import __version__, terminal
+from somo_cli import __version__, files, terminal
 from somo_cli.problems import (
     EngineMissing,
     ExtraMissing,
@@ -88,8 +87,7 @@ def _reported(error: SomoError | OSError | KeyboardInterrupt) -> int:
     if isinstance(error, SomoError):
         return _reported_user_error(error)
     if isinstance(error, BrokenPipeError):
-        # the reader has closed the pipe; Python must not flush into it at exit
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        files.drop_standard_output()
         return 0
     if isinstance(error, OSError):
         name = error.filename or "standard output"

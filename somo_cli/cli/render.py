@@ -176,8 +176,7 @@ def _simulated(
     steps = timing.steps_of(scene)
     spacing = timing.between if timing.is_film else None
     recording, summary = render_source.simulated(document, scene, steps, spacing)
-    for line in run_report.finding_lines(summary):
-        terminal.print_message(line)
+    terminal.print_lines(run_report.finding_lines(summary))
     why = ""
     if summary.stopped is not None:
         why = f", by stop[{summary.stopped.condition}]: {summary.stopped.reason}"

@@ -8,10 +8,7 @@ from typing import TYPE_CHECKING, BinaryIO
 
 from somo_cli import files, output_files, terminal
 from somo_cli.cli import run_report
-from somo_cli.cli.run_outputs import (
-    Targets,
-    write_metadata,
-)
+from somo_cli.cli.run_outputs import Targets, metadata_of, write_metadata
 from somo_cli.problems import SimulationDiverged
 
 if TYPE_CHECKING:
@@ -40,10 +37,7 @@ def simulate_once(
     with files.temporary_file() if with_error else nullcontext() as kept:
         spooled = None if kept is None else _spooled(prepared.plan, kept)
         summary, events = _recorded(prepared, steps, targets, spooled)
-        about = prepared.metadata(summary, sets)
-        about["scene"] = files.relative_path(prepared.document.source, output)
-        if events is not None:
-            about["events"] = events
+        about = metadata_of(prepared, summary, sets, output, events)
         if spooled is not None:
             from somo_cli.analysis import error_report
 
@@ -56,8 +50,7 @@ def simulate_once(
     write_metadata(output, about)
     if not quiet:
         terminal.print_lines(run_report.summary_lines(prepared, summary, targets, events))
-    for line in run_report.finding_lines(summary):
-        terminal.print_message(line)
+    terminal.print_lines(run_report.finding_lines(summary))
     terminal.print_lines(lines)
     if failure is not None:
         terminal.print_message("somo: there is no estimate of the error: at a smaller step")

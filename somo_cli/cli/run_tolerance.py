@@ -4,11 +4,11 @@ import time
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from somo_cli import files, output_files, terminal
 from somo_cli.cli import run_report
-from somo_cli.cli.run_outputs import Targets, write_metadata
+from somo_cli.cli.run_outputs import Targets, metadata_of, write_metadata
 
 if TYPE_CHECKING:
     from somo_cli.analysis.refinement import Refinement
@@ -38,19 +38,15 @@ def simulate_to_tolerance(
     with ExitStack() as stack:
         found = _refined(prepared, steps, targets, tolerances, max_halvings, stack)
         finest = replace(prepared, plan=found.plan)
-        about: dict[str, Any] = finest.metadata(found.summary, sets)
-        about["scene"] = files.relative_path(prepared.document.source, targets[0])
+        events = None if found.events is None else found.events[1]
+        about = metadata_of(finest, found.summary, sets, targets[0], events)
         about["error"] = refinement_report.plain_error(found)
         about["refinement"] = refinement_report.plain_refinement(found)
-        if found.events is not None:
-            about["events"] = found.events[1]
         _write(finest, found, targets)
     write_metadata(targets[0], about)
-    events = None if found.events is None else found.events[1]
     if not quiet:
         terminal.print_lines(run_report.summary_lines(finest, found.summary, targets, events))
-    for line in run_report.finding_lines(found.summary):
-        terminal.print_message(line)
+    terminal.print_lines(run_report.finding_lines(found.summary))
     if not quiet or not found.is_converged:
         terminal.print_lines(refinement_report.refinement_lines(found))
     return found.summary, found.is_converged

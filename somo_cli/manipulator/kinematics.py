@@ -43,6 +43,15 @@ def max_distances(chain: Chain) -> list[float]:
     return found
 
 
+def reach_of(chain: Chain) -> float:
+    """Return how far from the origin of its base frame a chain can reach, in its unit.
+
+    That is the straightened length, and for limbs where they are mounted.
+    """
+    mounts = (geometry.norm(one.origin) for one in chain.joints if one.parent == 0)
+    return chain.length + (max(mounts) if chain.limbs else 0.0)
+
+
 def link_poses(chain: Chain, angles: Sequence[float], base: Pose) -> tuple[Pose, ...]:
     """Return the pose in the world of every link frame, root first.
 

@@ -103,21 +103,30 @@ def error_of_thrown_finger(step: float) -> tuple[float, float]:
 @functools.cache
 def thrown_finger_in_mujoco() -> np.ndarray:
     """Return angles [rad] and the position of the base [m] every tenth of a second."""
+    states = free_states_in_mujoco(thrown_finger(1e-3), 1e-5, 5)
+    return np.hstack([states[:, 7:], states[:, :3]])
+
+
+def free_states_in_mujoco(scene: Scene, step: float, count: int) -> np.ndarray:
+    """Return the state of a free manipulator every tenth of a second, shape (count, 7 + n).
+
+    That is the position of its base [m], its quaternion (w, x, y, z), and its angles [rad]; a
+    torque of 0.03 N·m acts on the joints of each actuator's first axis.
+    """
     import mujoco
 
-    scene = thrown_finger(1e-3)
-    finger_here = scene.manipulators[0]
-    chain = finger_here.compiled.chain
-    axes = geometry.rotation_from_rpy(finger_here.rpy)
+    (one,) = scene.manipulators
+    chain = one.compiled.chain
+    axes = geometry.rotation_from_rpy(one.rpy)
     x, y, z, w = geometry.quaternion_from_rotation(axes)
-    model = mujoco_model(chain, scene.gravity, 1e-5, is_free=True)
+    model = mujoco_model(chain, scene.gravity, step, is_free=True)
     state = mujoco.MjData(model)
     state.qpos[3:7] = w, x, y, z
-    state.qvel[:3] = finger_here.linear_velocity
-    state.qvel[3:6] = np.array(axes).T @ finger_here.angular_velocity  # in the base's axes
+    state.qvel[:3] = one.linear_velocity
+    state.qvel[3:6] = np.array(axes).T @ one.angular_velocity  # in the base's axes
     state.qfrc_applied[6:] = [0.03 if joint.channel == 0 else 0.0 for joint in chain.joints]
     rows = []
-    for _ in range(5):
-        mujoco.mj_step(model, state, 10_000)
-        rows.append([*state.qpos[7:], *state.qpos[:3]])
+    for _ in range(count):
+        mujoco.mj_step(model, state, round(0.1 / step))
+        rows.append(state.qpos.copy())
     return np.array(rows)

@@ -7,7 +7,6 @@ import functools
 import json
 from typing import cast
 
-import mujoco
 import numpy as np
 import pytest
 
@@ -22,7 +21,7 @@ from somo_cli.simulation.integrator import spinning_base
 from somo_cli.simulation.integrator.spinning_base import SpinningBase, spin_to_follow
 from somo_cli.simulation.plan_report import explain
 from somo_cli.simulation.session import Session
-from tests.builders.mujoco_reference import mujoco_model
+from tests.builders.fingers import free_states_in_mujoco
 from tests.builders.runs import rows_of
 from tests.builders.scenes import scene_from_text
 from tests.free_bodies.chains import AXES, CHAINS, SOFT, STIFF, chain_motion, chain_plan, spin_of
@@ -100,22 +99,9 @@ def thrown(step: float) -> Scene:
 @functools.cache
 def thrown_in_mujoco() -> np.ndarray:
     """Return angles [rad], position [m] and rotation of the base every tenth of a second."""
-    scene = thrown(1e-3)
-    (one,) = scene.manipulators
-    chain = one.compiled.chain
-    axes = geometry.rotation_from_rpy(one.rpy)
-    x, y, z, w = geometry.quaternion_from_rotation(axes)
-    model = mujoco_model(chain, scene.gravity, 2e-5, is_free=True)
-    state = mujoco.MjData(model)
-    state.qpos[3:7] = w, x, y, z
-    state.qvel[:3] = one.linear_velocity
-    state.qvel[3:6] = np.array(axes).T @ one.angular_velocity  # in the base's axes
-    state.qfrc_applied[6:] = [0.03 if joint.channel == 0 else 0.0 for joint in chain.joints]
-    rows = []
-    for _ in range(4):
-        mujoco.mj_step(model, state, 5_000)
-        rows.append([*state.qpos[7:], *state.qpos[:3], *_rotation(state.qpos[[4, 5, 6, 3]])])
-    return np.array(rows)
+    states = free_states_in_mujoco(thrown(1e-3), 2e-5, 4)
+    turns = [_rotation(one) for one in states[:, [4, 5, 6, 3]]]
+    return np.hstack([states[:, 7:], states[:, :3], turns])
 
 
 def _rotation(quaternion: np.ndarray) -> np.ndarray:

@@ -6,13 +6,11 @@ import json
 import math
 import random
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, TypeAlias
 
 from somo_cli.document.parse import Document
 from somo_cli.loading import load_text
-
-DEFINITIONS = Path(__file__).resolve().parents[2] / "definitions"
+from tests.builders.scenes import DEFINITIONS
 
 SceneData: TypeAlias = dict[str, Any]
 

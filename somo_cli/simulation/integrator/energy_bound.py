@@ -10,7 +10,7 @@ import numpy as np
 from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
-from somo_cli.manipulator.kinematics import Pose, max_distances
+from somo_cli.manipulator.kinematics import Pose, max_distances, reach_of
 from somo_cli.simulation.engine.interface import WorldObject
 from somo_cli.simulation.plan.joint_springs import JointSprings
 from somo_cli.simulation.plan.model import Body, Plan
@@ -180,9 +180,7 @@ def _energy_of_base(body: Body) -> float:
     speed = geometry.norm(body.start.linear_velocity)
     spin = geometry.norm(body.start.angular_velocity)
     chain = body.chain
-    reach = chain.length + max(geometry.norm(one.inertial.centre) for one in chain.links)
-    if chain.limbs:  # limbs begin where they are mounted
-        reach += max(geometry.norm(one.origin) for one in chain.joints if one.parent == 0)
+    reach = reach_of(chain) + max(geometry.norm(one.inertial.centre) for one in chain.links)
     return 0.5 * sum(
         link.inertial.mass * (speed + spin * reach) ** 2 + max(link.inertial.inertia) * spin**2
         for link in body.chain.links

@@ -50,15 +50,15 @@ class LawStepper:
         self._at_check: tuple[Array, Array] | None = None  # correction and bias at the last check
         self._last_correction = np.zeros(0), np.zeros(0)  # correction and bias of the last refresh
         self._steps_reused = self._steps_left = 1
-        self._ways: dict[int, tuple[Callable[[], None], Callable[[], None]]] = {
+        self._by_reuse: dict[int, tuple[Callable[[], None], Callable[[], None]]] = {
             1: (self._apply_refreshed, self._predict_refreshed),
             MONITORING_INTERVAL: (self.apply_reused, self.reused.predict),
         }
-        self._ways |= {
+        self._by_reuse |= {
             steps: (self._apply_alternating, self._predict_alternating) for steps in REUSE_STEPS[1:]
         }
         first = MONITORING_INTERVAL if law.integrator == "explicit" else 1
-        self.apply_torques, self.predict = self._ways[first]
+        self.apply_torques, self.predict = self._by_reuse[first]
 
     def apply_at_check(self, max_rate: float) -> None:
         """Apply torques at a check, and choose how to step until the next one.
@@ -90,7 +90,7 @@ class LawStepper:
             if steps > 1:
                 self.reused.extrapolate(last[1] - law.bias, growth, MONITORING_INTERVAL)
         self._steps_reused = self._steps_left = steps
-        self.apply_torques, self.predict = self._ways[steps]
+        self.apply_torques, self.predict = self._by_reuse[steps]
         self._policy.set_reuse(steps)
 
     def apply_reused(self) -> None:

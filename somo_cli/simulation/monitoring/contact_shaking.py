@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -50,7 +50,6 @@ class ContactShakingMonitor:
         self._window = max(MIN_SAMPLES, math.ceil(MIN_WINDOW / seconds))
         self._forces: dict[BodyPair, _PairForce] = {}
         self._shaking: dict[BodyPair, list[float]] = {}  # forces of the steps after it was found
-        self._lost: set[BodyPair] = set()
         self.findings: dict[tuple[str, BodyPair], Finding] = {}
 
     @property
@@ -124,13 +123,10 @@ class ContactShakingMonitor:
         frequency = half_periods / (2 * self._plan.time_step)
         key = "contact-shakes", pair
         before = self.findings[key]
-        self.findings[key] = Finding(
-            before.code,
-            before.time,
-            before.names,
-            f"{before.message} (about {frequency:.2g} times a second)",
-            before.hint,
-            (*before.values, ("frequency_hz", frequency)),
+        self.findings[key] = replace(
+            before,
+            message=f"{before.message} (about {frequency:.2g} times a second)",
+            values=(*before.values, ("frequency_hz", frequency)),
         )
 
     def _find_lost(self, time: float, pair: BodyPair) -> None:

@@ -132,11 +132,10 @@ def soft_energy_reader(
 
 def _gravity_energy(stepper: BodyStepper, gravity: Vector) -> float:
     """Return the energy of a body in gravity; in the frame of its base, if that is moved."""
-    is_at_rest = stepper.body.base != "free" and stepper.body.path is None
-    base = stepper.body.start.pose if is_at_rest else stepper.world_body.base_pose()
-    dynamics = stepper.dynamics()
+    body, dynamics = stepper.body, stepper.dynamics()
+    base = stepper.world_body.base_pose() if body.has_moving_base else body.start.pose
     energy = dynamics.at(stepper.law.angles, base).gravity_energy(gravity)
-    if stepper.body.path is None:
+    if body.path is None:
         return energy
     (x, y, z), (gx, gy, gz) = base.position, gravity
     return energy + float(dynamics.masses.sum()) * (x * gx + y * gy + z * gz)

@@ -14,11 +14,12 @@ import numpy as np
 from somo_cli.arrays import Array
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Link
-from somo_cli.manipulator.kinematics import Pose
+from somo_cli.manipulator.kinematics import Pose, reach_of
 from somo_cli.simulation.engine.interface import World, WorldObject
 from somo_cli.simulation.integrator.body_stepper import BodyStepper
 from somo_cli.simulation.integrator.refresh_policy import MONITORING_INTERVAL
 from somo_cli.simulation.monitoring.findings import Finding
+from somo_cli.simulation.monitoring.penetration import thickness_of
 from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.plan.units import unit_factors_of
 
@@ -42,21 +43,18 @@ class _Body:
     def __init__(self, stepper: BodyStepper, step: float) -> None:
         chain = stepper.body.chain
         self.name = stepper.body.name
-        self.reach = chain.length
-        if chain.limbs:  # limbs begin where they are mounted
-            self.reach += max(geometry.norm(one.origin) for one in chain.joints if one.parent == 0)
+        self.reach = reach_of(chain)
         # a link without a shape meets nothing, however it moves
-        self.thickness: Array = np.array([_thickness(link) for link in chain.links])
+        self.thickness: Array = np.array([thickness_of(link) for link in chain.links])
         self.radii: Array = np.array([_radius(link) for link in chain.links])
         self.thinnest = float(self.thickness.min())
         self._stepper = stepper
         self._step = step
-        self._is_fixed = stepper.body.base != "free" and stepper.body.path is None
 
     def largest_jump(self) -> float:
         """Return a bound on how far any link moves in a step."""
         reach = self.reach * self._stepper.max_rate
-        if not self._is_fixed:
+        if self._stepper.body.has_moving_base:
             velocity, spin = self._stepper.world_body.base_velocity()
             reach += geometry.norm(velocity) + self.reach * geometry.norm(spin)
         return self._step * reach
@@ -84,7 +82,7 @@ class MissedContactMonitor:
             _Object(
                 planned.rigid_object.name,
                 world_object,
-                _thickness(planned.rigid_object.chain.links[0]),
+                thickness_of(planned.rigid_object.chain.links[0]),
                 _radius(planned.rigid_object.chain.links[0]),
             )
             for planned, world_object in zip(plan.objects, world.objects, strict=True)
@@ -154,11 +152,6 @@ class MissedContactMonitor:
             (("motion_in_a_step_m", jump / metre), ("thickness_m", thickness / metre)),
         )
         self.findings.setdefault(names, finding)
-
-
-def _thickness(link: Link) -> float:
-    """Return the least extent of the thickest shape of a link; infinite where it has none."""
-    return max((shape.solid.smallest_extent for shape in link.shapes), default=float("inf"))
 
 
 def _radius(link: Link) -> float:

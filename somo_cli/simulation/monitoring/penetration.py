@@ -51,14 +51,14 @@ class PenetrationMonitor:
         self._metre = plan.scale.factor(Dimension(length=1))
         links = [body.chain.links for body in plan.bodies]
         links += [planned.rigid_object.chain.links for planned in plan.objects]
-        self._thickness = [[_thickness(link) for link in chain] for chain in links]
+        self._thickness = [[thickness_of(link) for link in chain] for chain in links]
         self._names = plan.recorded.names
 
     def update(self, step: int) -> None:
         """Sample the depths of the last step."""
         self.last = self._world.penetrations()
         for first, second, depth in self.last:
-            depth_ratio = depth / min(self._thickness_of(first), self._thickness_of(second))
+            depth_ratio = depth / min(self._thickness_at(first), self._thickness_at(second))
             if self.deepest is None or depth_ratio > self.deepest.depth_ratio:
                 names = self._names[first[0]], self._names[second[0]]
                 self.deepest = Penetration(
@@ -82,7 +82,7 @@ class PenetrationMonitor:
             (("depth_m", found.depth), ("depth_ratio", found.depth_ratio)),
         )
 
-    def _thickness_of(self, part: tuple[int, int]) -> float:
+    def _thickness_at(self, part: tuple[int, int]) -> float:
         body, link = part
         return self._thickness[body][link] if body < len(self._thickness) else float("inf")
 
@@ -92,6 +92,6 @@ def steps_between_samples(time_step: float, max_steps: int) -> int:
     return max(1, min(max_steps, int(MAX_TIME_BETWEEN_SAMPLES / time_step)))
 
 
-def _thickness(link: Link) -> float:
+def thickness_of(link: Link) -> float:
     """Return the least extent of the thickest shape of a link; infinite where it has none."""
     return max((shape.solid.smallest_extent for shape in link.shapes), default=float("inf"))

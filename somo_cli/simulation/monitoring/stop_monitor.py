@@ -138,7 +138,7 @@ class _RestCondition:
         self._velocities: list[Callable[[], tuple[Vector, Vector]]] = [
             body_stepper.world_body.base_velocity
             for body_stepper in body_steppers
-            if body_stepper.body.base == "free" or body_stepper.body.path is not None
+            if body_stepper.body.has_moving_base
         ]
         self._velocities += [
             rigid_object.velocity

@@ -105,6 +105,11 @@ class Body:
     has_zero_torque_motors: bool = False
     """Whether joints without dry friction have a row of the solver as well, of no effect."""
 
+    @property
+    def has_moving_base(self) -> bool:
+        """Whether the base is free, or has a prescribed motion."""
+        return self.base == "free" or self.path is not None
+
 
 @dataclass(frozen=True, slots=True)
 class PlannedObject:
