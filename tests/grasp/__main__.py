@@ -20,7 +20,7 @@ def main() -> None:
     asked = arguments.parse_args()
     print("deviation of the force / its mean, error of the grip, object off / its size;")
     print(f"converged: {1e3 * FINE:g} ms; ! where one is above 0.2 %, 1 %, 1 %")
-    print(f"{'':52}{'force [N]':>10}" + "".join(f"{1e3 * step:>26g} ms" for step in STEPS))
+    print(f"{'':62}{'force [N]':>10}" + "".join(f"{1e3 * step:>26g} ms" for step in STEPS))
     failed, runs = 0, 0
     for grasp in cases():
         if asked.case and not any(part in grasp.name for part in asked.case):
@@ -36,11 +36,11 @@ def _print_case(grasp: Grasp) -> int:
     """Print the line of a case, and what it says if a run is not good; return how many count."""
     fine = converged(grasp)
     verdicts = [verdict(grasp, step) for step in STEPS]
-    line = f"{grasp.name:52}{fine.force:>8.3f} +-{fine.deviation / fine.force:.0e}"
+    line = f"{grasp.name:62}{fine.force:>8.3f} +-{fine.deviation / fine.force:.0e}"
     print(line + "".join(map(_text, verdicts)), flush=True)
-    if (grasp.shape, grasp.task, grasp.fingers, grasp.damping_ratio) == ("ball", "held", 3, 0.1):
+    if grasp == Grasp(mass_ratio=grasp.mass_ratio):
         beside = [compared(fine, held_in_mujoco(grasp, step), 2 * RADIUS) for step in STEPS]
-        print(f"{'  MuJoCo':52}{'':16}" + "".join(map(_text, beside)), flush=True)
+        print(f"{'  MuJoCo':62}{'':16}" + "".join(map(_text, beside)), flush=True)
     failed = sum(not one.is_good for one in verdicts)
     if not failed:
         return 0

@@ -44,14 +44,20 @@ class Grasp:
     damping_ratio: float = 0.1
     shape: Shape = "ball"
     integrator: Integrator = "implicit"
+    spinning: float = 0.0  # m, moment arm of the fingers' friction against spinning
+    rolling: float = 0.0  # m, and against rolling
 
     @property
     def name(self) -> str:
         """What the tables call it."""
-        return (
-            f"{self.shape} {self.task}, {self.fingers} fingers, mass x {self.mass_ratio:g}, "
-            f"damping {self.damping_ratio:g}{', euler' if self.integrator == 'euler' else ''}"
-        )
+        parts = [
+            f"{self.shape} {self.task}, {self.fingers} fingers, mass x {self.mass_ratio:g}",
+            f"damping {self.damping_ratio:g}",
+        ]
+        parts += ["euler"] * (self.integrator == "euler")
+        parts += [f"spinning {1e3 * self.spinning:g} mm"] * (self.spinning > 0)
+        parts += [f"rolling {1e3 * self.rolling:g} mm"] * (self.rolling > 0)
+        return ", ".join(parts)
 
     @property
     def has_mirror_images(self) -> bool:
@@ -92,7 +98,11 @@ class Grasp:
             "base": "constrained",
             "position": [AWAY * math.sin(turn), -AWAY * math.cos(turn), BASE],
             "rpy": [math.pi, 0, turn],
-            "surface": {"friction": self._friction},
+            "surface": {
+                "friction": self._friction,
+                "spinning_friction": self.spinning,
+                "rolling_friction": self.rolling,
+            },
             "actuation": [{"actuators": "all", "axis": 0, "waypoints": self._torque(number)}],
         }
         if self.task in ("lifted", "released", "sliding", "handed over"):
@@ -200,4 +210,6 @@ def cases() -> tuple[Grasp, ...]:
     others += [Grasp(task, 4, shape="capsule") for task in tasks[1:]]
     others += [Grasp("sliding"), Grasp("lifted", 2, shape="cube")]
     others += [Grasp(integrator="euler"), Grasp("lifted", 4, shape="cube", integrator="euler")]
+    others += [Grasp(spinning=0.01), Grasp("lifted", 4, spinning=0.01)]
+    others += [Grasp(rolling=0.003), Grasp(fingers=2, rolling=0.003)]
     return (*grid, *others)

@@ -98,8 +98,9 @@ def verdict(grasp: Grasp, step: float) -> Verdict:
 def why_not_counted(grasp: Grasp) -> str:
     """Return why a run that is not good says nothing about the law; empty if it does.
 
-    Two points of contact do not hold a ball's rotation about the line through them, and where an
-    object slips on its way its place depends on the history of friction: with a fine step as well.
+    Two fingers that press on a ball from both sides are in unstable balance: it rolls aside, when
+    and to which side rounding decides. Where an object slips on its way its place depends on the
+    history of friction. Both are so with a fine step as well.
     """
     fine = converged(grasp)
     if fine.deviation > ALIKE * MOST_SHAKING * fine.force:
