@@ -6,33 +6,35 @@ interrupt it or a full disk may refuse what it prints.
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 from contextlib import suppress
-from types import FrameType
-from typing import NoReturn
+from typing import TYPE_CHECKING
 
-_ENDING = tuple(
-    getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGBREAK") if hasattr(signal, name)
-)
-"""Signals that ask a program to end; files that it has begun are put in order first."""
+if TYPE_CHECKING:
+    from somo_cli.signals import SignalGuard
 
 
 def main() -> None:
     """Run the command line, and exit with its code."""
-    code = 1
+    guard = None
     try:
-        for number in _ENDING:
-            # nohup has it ignored, and so it stays
-            if signal.getsignal(number) is signal.SIG_DFL:
-                signal.signal(number, _raise_terminated)
-        code = _run()
-    except KeyboardInterrupt as error:
-        code = _code_of(error)
+        from somo_cli import signals
+
+        guard = signals.handle_endings()
+        code = _code_of(_run(), guard)
+    except KeyboardInterrupt:
+        code = _code_of(128 + signal.SIGINT, guard)
     # what a destructor may print now could only hide the outcome
     with suppress(OSError):
         sys.stderr.flush()
-    sys.exit(code)
+    if code <= 128:
+        sys.exit(code)
+    # Python itself may have noted the interrupt, and would end by that signal and not with a code
+    with suppress(OSError):
+        sys.stdout.flush()
+    os._exit(code)
 
 
 def _run() -> int:
@@ -61,18 +63,10 @@ def _run() -> int:
     return code
 
 
-def _raise_terminated(number: int, frame: FrameType | None) -> NoReturn:
-    from somo_cli.problems import Terminated
-
-    for other in _ENDING:  # a second one must not disturb the cleaning up
-        signal.signal(other, signal.SIG_IGN)
-    raise Terminated(number)
-
-
-def _code_of(error: KeyboardInterrupt) -> int:
-    from somo_cli.problems import Terminated
-
-    return 128 + error.number if isinstance(error, Terminated) else 130
+def _code_of(code: int, guard: SignalGuard | None) -> int:
+    """Return the exit code; that of a signal too where its exception did not come this far."""
+    is_of_a_signal = code == 0 or code > 128
+    return 128 + guard.number if guard is not None and guard.number and is_of_a_signal else code
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ import unicodedata
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 
+from somo_cli import signals
 from somo_cli.problems import LINE_BREAK, Problem
 
 _MAX_COLUMNS = 100  # columns of a source line
@@ -49,9 +50,14 @@ def print_lines(lines: Iterable[str]) -> None:
 
 @contextmanager
 def progress(total: int, description: str) -> Iterator[Callable[[int], None]]:
-    """Show a progress bar on a terminal; yield the function that takes the number done so far."""
+    """Show a progress bar on a terminal; yield the function that takes the number done so far.
+
+    It also raises again the exception of a signal that something has dropped.
+    """
+    guard = signals.guard_in_force()
+    raise_again = _ignore if guard is None else guard.raise_again
     if not _is_terminal() or os.environ.get("TERM") == "dumb":
-        yield _ignore
+        yield lambda done: raise_again()
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
@@ -72,6 +78,7 @@ def progress(total: int, description: str) -> Iterator[Callable[[int], None]]:
 
         def advance(done: int) -> None:
             nonlocal drawn
+            raise_again()
             now = time.monotonic()
             # drawing the bar takes longer than a step of a simulation
             if now - drawn >= _REDRAW_INTERVAL or done >= total:
@@ -81,7 +88,7 @@ def progress(total: int, description: str) -> Iterator[Callable[[int], None]]:
         yield advance
 
 
-def _ignore(done: int) -> None:
+def _ignore() -> None:
     pass
 
 

@@ -6,16 +6,13 @@ import json
 import math
 import shutil
 import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from somo_cli.document.parse import parse
-from tests.builders.command import Somo
+from tests.builders.command import SIMULATION, Somo, end_by, start_and_wait_for
 from tests.builders.scenes import DEFINITIONS
 
 pytestmark = pytest.mark.slow  # a process for each
@@ -416,17 +413,8 @@ def test_a_fit_can_be_interrupted(here: Path, environment: dict[str, str]) -> No
     rows = "".join(f"{0.01 * n!r},{0.001 * n!r}\n" for n in range(1, 400))
     (here / "m.csv").write_text("time_s,tip.y_m\n" + rows, "utf-8")
     before = (here / "finger.yaml").read_bytes()
-    with subprocess.Popen(
-        [sys.executable, "-m", "somo_cli", *FIT, "--patch", "finger.yaml"],
-        cwd=here,
-        env=environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        encoding="utf-8",
-    ) as process:
-        time.sleep(2.0)
-        process.send_signal(signal.SIGINT)
-        said = process.communicate(timeout=30)[1]
-    assert process.returncode == 130
-    assert "Traceback" not in said
+    command = [*map(str, FIT), "--patch", "finger.yaml"]
+    with start_and_wait_for(SIMULATION, command, here, environment) as process:
+        ended = end_by(process, signal.SIGINT)
+    assert ended == (130, "", "somo: interrupted\n")
     assert (here / "finger.yaml").read_bytes() == before

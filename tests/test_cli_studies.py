@@ -5,14 +5,11 @@ from __future__ import annotations
 import csv
 import json
 import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 
 import pytest
 
-from tests.builders.command import Somo
+from tests.builders.command import SIMULATION, Somo, end_by, start_and_wait_for
 from tests.builders.scenes import DEFINITIONS
 
 pytestmark = pytest.mark.slow  # a process for each
@@ -119,15 +116,10 @@ def test_a_reference_that_does_not_fit_is_an_error_of_the_scene(somo: Somo, tmp_
 
 
 def test_a_report_interrupted_leaves_nothing(tmp_path: Path, environment: dict[str, str]) -> None:
-    command = [sys.executable, "-m", "somo_cli", "report", str(SCENE), "--duration", "60"]
-    with subprocess.Popen(
-        command, cwd=tmp_path, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE
-    ) as process:
-        time.sleep(2.0)
-        process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=30)
-    assert (process.returncode, out) == (130, b"")
-    assert err == b"somo: interrupted\n"
+    command = ["report", str(SCENE), "--duration", "60"]
+    with start_and_wait_for(SIMULATION, command, tmp_path, environment) as process:
+        ended = end_by(process, signal.SIGINT, 0.5)
+    assert ended == (130, "", "somo: interrupted\n")
     assert list(tmp_path.iterdir()) == []
 
 

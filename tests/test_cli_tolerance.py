@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import json
 import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 
 import pytest
 
 import somo_cli as somo_api
-from tests.builders.command import Somo
+from tests.builders.command import SIMULATION, Somo, end_by, start_and_wait_for
 from tests.builders.scenes import DEFINITIONS
 
 SCENE = DEFINITIONS / "scene.yaml"
@@ -85,15 +82,14 @@ def test_events_are_those_of_the_finest_run(somo: Somo, tmp_path: Path) -> None:
     assert len(found.splitlines()) > 1
 
 
-def test_an_interrupted_run_leaves_nothing(tmp_path: Path, environment: dict[str, str]) -> None:
-    command = [sys.executable, "-m", "somo_cli", *map(str, RUN[:2]), "--steps", "9000000"]
-    with subprocess.Popen(
-        [*command, "--tolerance", "1e-2"], cwd=tmp_path, env=environment, stderr=subprocess.PIPE
-    ) as process:
-        time.sleep(3.0)
-        process.send_signal(signal.SIGINT)
-        _, err = process.communicate(timeout=30)
-    assert (process.returncode, err) == (130, b"somo: interrupted\n")
+@pytest.mark.parametrize("delay", [0.0, 0.5])
+def test_an_interrupted_run_leaves_nothing(
+    tmp_path: Path, environment: dict[str, str], delay: float
+) -> None:
+    command = [*map(str, RUN[:2]), "--steps", "9000000", "--tolerance", "1e-2"]
+    with start_and_wait_for(SIMULATION, command, tmp_path, environment) as process:
+        ended = end_by(process, signal.SIGINT, delay)
+    assert ended == (130, "", "somo: interrupted\n")
     assert list(tmp_path.iterdir()) == []
 
 

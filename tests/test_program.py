@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from somo_cli import files
-from tests.builders.command import Somo
+from tests.builders.command import Somo, end_by, start_and_wait_for
 
 DEFINITIONS = Path(__file__).parents[1] / "definitions"
 SOMO = (sys.executable, "-m", "somo_cli")
@@ -80,7 +80,6 @@ def test_a_signal_leaves_whole_rows_and_nothing_temporary(
         env=environment | {"TMPDIR": str(temporary)},
         stderr=subprocess.PIPE,
         text=True,
-        preexec_fn=_with_default_signals,
     ) as process:
         partial = here / "x.csv.partial"
         give_up = time.monotonic() + 60
@@ -109,27 +108,10 @@ def test_a_signal_leaves_whole_rows_and_nothing_temporary(
 def test_an_interrupt_while_modules_load_is_no_traceback(
     here: Path, environment: dict[str, str], module: str
 ) -> None:
-    """Interrupted as soon as a module has loaded, of which Python reports each."""
-    with subprocess.Popen(
-        [sys.executable, "-X", "importtime", "-m", "somo_cli", "check", "scene.yaml"],
-        cwd=here,
-        env=environment,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-        preexec_fn=_with_default_signals,
-    ) as process:
-        assert process.stderr is not None
-        for line in process.stderr:
-            if line.split("|")[-1].strip() == module:
-                break
-        else:
-            pytest.fail(f"{module} was not loaded")
-        process.send_signal(signal.SIGINT)
-        _, messages = process.communicate(timeout=60)
-    assert process.returncode == 130
-    said = [line for line in messages.splitlines() if not line.startswith("import time:")]
-    assert said in ([], ["somo: interrupted"])
+    with start_and_wait_for(module, ["check", "scene.yaml"], here, environment) as process:
+        code, _, messages = end_by(process, signal.SIGINT)
+    assert code == 130
+    assert messages in ("", "somo: interrupted\n")
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes by name")
@@ -184,9 +166,3 @@ def test_examples_are_copied_whole_or_not_at_all(
 def test_examples_say_so_where_the_folder_exists(somo: Somo, here: Path) -> None:
     done = somo("examples", ".")
     assert (done.returncode, done.stdout, done.stderr) == (5, "", "somo: .: File exists\n")
-
-
-def _with_default_signals() -> None:
-    """Undo what a shell that started the tests in the background has ignored."""
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, signal.SIG_DFL)

@@ -20,7 +20,8 @@ KNOWS: dict[str, set[str]] = {
     "files": {"", "problems"},
     "output_files": set(),
     "packages": {"", "problems", "files"},
-    "terminal": {"", "problems"},
+    "signals": {"", "problems"},
+    "terminal": {"", "problems", "signals"},
     "document": {"", "problems"},
     "manipulator": {"", "problems", "document"},
     "scene": _MEANING - {"arrays"},
@@ -63,7 +64,7 @@ KNOWS: dict[str, set[str]] = {
         "packages",
         "loading",
     },
-    "__main__": {"", "problems", "files", "terminal", "cli"},
+    "__main__": {"", "files", "signals", "terminal", "cli"},
     "": {"api", "document", "problems"},  # the public API, imported when it is used
 }
 """Every room from the ground up, and the rooms that it may import beside itself."""
