@@ -35,9 +35,9 @@ class PrescribedMotion:
     """Translation and rotation over time, along the axes of the world frame.
 
     The rotation is by roll, pitch and yaw, or by unit `quaternions` (x, y, z, w) if there are any,
-    about the point `about` of the world, or about the own origin; the displacement comes after it,
-    so that it carries the point along. With the frame "world" both are from the world's origin and
-    axes, not from the start: they are the pose.
+    about the point `about` of the world, or about the frame's own origin; the translation comes
+    after it and carries that point along. With the frame "world" both are relative to the world,
+    not to the start: they are the pose.
     """
 
     translation: tuple[tuple[Time, Length, Length, Length], ...]
@@ -100,7 +100,7 @@ class PosePath:
         return self._pose((x.at(time), y.at(time), z.at(time)), turn)
 
     def pose_before_start(self, time: float) -> Pose:
-        """Return where the frame would have been so long before the start [s], moving as then."""
+        """Return the pose a time [s] before the start, of a frame that moves as at the start."""
         turn = self.rotation.rotation(
             [_extrapolated(one, -time) for one in self.rotation.components]
         )
@@ -128,7 +128,7 @@ class PosePath:
 def read_motion(
     data: Mapping[str, Any], trajectories: Mapping[str, Trajectory] | None = None
 ) -> PrescribedMotion:
-    """Return the motion that a sound mapping describes: by waypoints, a file, or a trajectory."""
+    """Return the motion of a checked mapping: by waypoints, a file, or a trajectory."""
     about = geometry.vector(data["about"]) if "about" in data else None
     repeat = bool(data.get("repeat", False))
     frame: MotionFrame = data.get("frame", "start")
@@ -218,7 +218,7 @@ def _float_rows(points: Any) -> tuple[tuple[float, float, float, float], ...]:
 def _trajectory_rows(
     trajectory: Trajectory,
 ) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-    """Return the waypoints of translation and rotation that the channels of a trajectory are."""
+    """Return the waypoints of translation and rotation in the channels of a trajectory."""
     rows = [
         (time, *values) for time, values in zip(trajectory.times, trajectory.values, strict=True)
     ]

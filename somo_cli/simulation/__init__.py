@@ -1,1 +1,1 @@
-"""A scene simulated: the plan, the engine, the law, monitors and recording, and the run of them."""
+"""Simulate a scene: plan, engine, law, monitors and recording, and the run that joins them."""

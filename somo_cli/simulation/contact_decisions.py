@@ -1,4 +1,4 @@
-"""What a run does about contact, and what it leaves out."""
+"""The decisions of a plan about contact: what a run does, and what it leaves out."""
 
 from __future__ import annotations
 

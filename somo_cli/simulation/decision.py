@@ -1,4 +1,4 @@
-"""One decision of a plan: a task that a run does or leaves out, why, and what that saves."""
+"""A decision of a plan: a task that a run does or leaves out, why, and what that saves."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from somo_cli.simulation.plan.model import Plan
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """Whether a run does one of the tasks that it could do, and why.
+    """A task of a run, whether the run does it, and why.
 
     `saves` says what leaving it out saves in this scene, None if that is nothing or unknown.
     """

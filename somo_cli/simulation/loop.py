@@ -1,4 +1,4 @@
-"""From one pause of a run to the next: torques, the step of the engine, the new state, and rows."""
+"""The loop of a run between two checks: torques, the engine's step, the new state, and rows."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ DrivenBody: TypeAlias = BodyStepper | KinematicObjectStepper
 
 
 class SimulationLoop:
-    """Advances all bodies of a world together; a run spends its time in `advance`.
+    """Advances all bodies of a world together; a run spends most of its time in `advance`.
 
     Without an assembler nothing is recorded.
     """
@@ -68,11 +68,11 @@ class SimulationLoop:
 
     @property
     def prediction_count(self) -> PredictionCount:
-        """How much of the contact forces was predicted so far."""
+        """In how many steps contact forces were predicted so far."""
         return PredictionCount() if self._prediction is None else self._prediction.count
 
     def actuate(self, step: int) -> None:
-        """Set what acts in the step that starts at this one."""
+        """Set the torques and loads of the step that starts at this one."""
         time = step * self._plan.time_step
         for actuate in self._actuations:
             actuate(time)
@@ -116,9 +116,9 @@ class SimulationLoop:
             body_stepper.work.count(is_steady)
 
     def record_last(self, step: int) -> None:
-        """Take the row of the last step, and go beyond it if that needs velocities half a step on.
+        """Record the row of the last step; step on if it needs velocities half a step later.
 
-        Its actuation is set.
+        The actuation of the step is set.
         """
         assert self._assembler is not None, "rows are recorded"
         self._assembler.take(step)
@@ -146,7 +146,7 @@ class SimulationLoop:
         return [*own, *self._rotations.applies]
 
     def _is_steady(self, first: int, until: int) -> bool:
-        """Whether nothing that acts changes after step `first` and before step `until`."""
+        """Whether torques and loads stay the same after step `first` and before step `until`."""
         start, end = first * self._plan.time_step, (until - 1) * self._plan.time_step
         if self._steady_until > end:
             return True

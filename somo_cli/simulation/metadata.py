@@ -1,4 +1,4 @@
-"""What a run was made of and by, as plain values for the `.meta.json` beside the CSV."""
+"""The provenance and settings of a run, as plain values for the `.meta.json` beside the CSV."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ def metadata(
 ) -> dict[str, object]:
     """Return versions, input hashes, step, integrator, scale and run time of a finished run.
 
-    `inputs` maps each file that was read to its text. Whether the time step was chosen by us, and
-    with what error of the tip in mind, relative to the length, is not in the plan. All but the
-    versions, the platform and the run time is the same for the same input.
+    `inputs` maps each file that was read to its text. Whether `auto` chose the time step, and for
+    which error of the tip relative to the length, is not in the plan. The same input gives the
+    same values, except for versions, platform and run time.
     """
     simulated = summary.steps * plan.time_step
     return {
@@ -73,9 +73,9 @@ def _contact_prediction(summary: RunSummary) -> dict[str, int]:
 
 
 def provenance(inputs: Mapping[str, str], overrides: Sequence[str]) -> dict[str, object]:
-    """Return what a result comes from: versions, platform, the files read and what overrode them.
+    """Return the provenance of a result: versions, platform, files read, and overrides.
 
-    Overrides on the command line are no files, though their texts are among the inputs.
+    Overrides from the command line are not listed as files, although the inputs have their texts.
     """
     return {
         "somo": __version__,

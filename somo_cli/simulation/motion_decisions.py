@@ -1,4 +1,4 @@
-"""What a run does about joints, bases and objects in motion, and what it leaves out."""
+"""The decisions of a plan about motion: what a run does for joints, bases and objects."""
 
 from __future__ import annotations
 

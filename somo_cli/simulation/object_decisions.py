@@ -1,4 +1,4 @@
-"""What a run makes of the files of objects: hulls of meshes, and inertias that had to be mended."""
+"""The decisions of a plan about files of objects: hulls of meshes, and mended inertias."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from somo_cli.simulation.plan.model import Plan
 
 
 def object_decisions(plan: Plan) -> Iterator[Decision]:
-    """Yield by how many hulls meshes are touched, and which inertias are not those of a file."""
+    """Yield the number of hulls by which meshes collide, and inertias unlike their file's."""
     hulls = {
         one.rigid_object.name: sum(
             isinstance(shape.solid, Hull) for shape in one.rigid_object.chain.links[0].shapes

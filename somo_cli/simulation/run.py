@@ -1,4 +1,4 @@
-"""The whole run on one screen: a plan in a world, step by step, with its rows."""
+"""Run a plan in a world from its start to its end, and write its rows."""
 
 from __future__ import annotations
 
@@ -23,11 +23,10 @@ MAX_LIVE_DELAY = 0.05  # s for which a row may wait, beyond the interval between
 
 @dataclass(frozen=True, slots=True)
 class RunSummary:
-    """What happened: steps done, rows written, and the wall time of the stepping loop [s].
+    """The outcome of a run: steps done, rows written, and the wall time of the stepping loop [s].
 
-    `stopped` is the condition of the scene that ended the run, if one did, `deepest` the deepest
-    penetration seen, None where nothing was inside anything, and `findings` is what was seen of
-    contact that no rigid body does.
+    `stopped` is the condition of the scene that ended the run, if one did; `deepest` the deepest
+    penetration, None if there was none; `findings` are those of the monitors of contact.
     """
 
     steps: int
@@ -53,7 +52,7 @@ def run(
 ) -> RunSummary:
     """Simulate `steps` steps and write a row of SI values for every recorded one, start included.
 
-    Rows are written many at once, shape (rows, columns); if `is_live`, none waits for long. With
+    Rows are written many at once, shape (rows, columns); if `is_live`, soon after their step. With
     `on_event`, contacts are listed in every step and each change of them is passed on. `advance`
     takes the steps done, for a progress bar. The run ends earlier if a stop condition of the plan
     says so. Raises SimulationDiverged. Whatever ends the run, the rows before it are written.
@@ -96,7 +95,7 @@ def run(
 
 
 class _Flusher:
-    """Has rows written when there are enough of them, or, if live, when one has waited."""
+    """Writes rows when there are enough of them, or, if live, when one has waited."""
 
     def __init__(self, assembler: RowAssembler, clock: Callable[[], float], is_live: bool) -> None:
         self._assembler = assembler

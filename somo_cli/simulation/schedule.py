@@ -1,4 +1,4 @@
-"""When a run pauses between two steps to check what it does."""
+"""The steps at which a run pauses for checks of motion and contact."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from somo_cli.simulation.plan.model import Plan
 
 
 class MonitoringSchedule:
-    """Steps at which motion and contact are checked; they depend on the plan alone.
+    """The steps at which motion and contact are checked; they depend on the plan alone.
 
-    So no result depends on what is recorded, or on how many steps are asked for at once.
+    So no result depends on what is recorded, or on how many steps are taken at once.
     """
 
     def __init__(self, plan: Plan) -> None:

@@ -1,4 +1,4 @@
-"""A plan in motion: its bodies, what monitors them, and the step that they have reached."""
+"""A plan that is being simulated: its bodies, their monitors, and the step reached."""
 
 from __future__ import annotations
 
@@ -84,23 +84,23 @@ class Session:
 
     @property
     def deepest(self) -> Penetration | None:
-        """The deepest penetration so far, None where nothing was inside anything."""
+        """The deepest penetration so far, None if there was none."""
         return None if self._contact is None else self._contact.penetration.deepest
 
     def findings(self) -> tuple[Finding, ...]:
-        """Return what was found of contact so far, in order of time."""
+        """Return the findings about contact so far, in order of time."""
         if self._contact is None:
             return ()
         unpredicted = unpredicted_contact(self.plan, self.prediction_count)
         return in_order([*self._contact.found(), *([unpredicted] if unpredicted else [])])
 
     def note_drive(self) -> None:
-        """Note that something from outside has changed what drives the bodies."""
+        """Note that the user has changed the torques or loads on the bodies."""
         self._is_driven = True
 
     @property
     def prediction_count(self) -> PredictionCount:
-        """How much of the contact forces was predicted so far."""
+        """In how many steps contact forces were predicted so far."""
         return self._loop.prediction_count
 
     def actuate(self) -> None:
@@ -176,14 +176,14 @@ def _kinematic_objects(plan: Plan, world: World) -> list[KinematicObjectStepper]
 
 
 def _contact_force_on(world: World, number: int) -> Callable[[], Sequence[float]]:
-    """Return a function that gives the force on a body or object, and its sum of normal forces."""
+    """Return a reader of the contact force on a body or object, and of its sum of normal forces."""
     return lambda: contacts.total_force(contacts.contacts_on(world.contact_points(), number))
 
 
 def _input_by_objects(
     plan: Plan, world: World, kinematic: Sequence[KinematicObjectStepper]
 ) -> Callable[[], float]:
-    """Return a function that returns the most energy that objects may have put in so far."""
+    """Return a reader of the upper bound on the energy that objects have added so far."""
     if not plan.objects:
         return lambda: 0.0
     of_objects = ObjectEnergyBound(plan, world.objects)

@@ -1,4 +1,4 @@
-"""The momentum of a body whose base floats, and the velocity of the base that a momentum needs.
+"""The momentum of a body with a free base, and the base velocity that keeps it.
 
 The momentum of the whole body, linear P and angular L about its centre of mass, is kept where
 nothing acts from outside, whatever its joints do. With velocities at half steps it is that of the
@@ -41,7 +41,7 @@ class Momentum:
 
 
 class WholeInertia:
-    """A body as one mass, from its inertia matrix, (6 + n, 6 + n), and joint rates, (n,)."""
+    """A body as one rigid mass, from its inertia matrix (6 + n, 6 + n) and joint rates (n,)."""
 
     def __init__(self, matrix: Array, rates: Array) -> None:
         mass = matrix[3, 3]
@@ -60,10 +60,10 @@ class WholeInertia:
         return Momentum(linear, self._inertia @ spin + self._angular_of_joints)
 
     def spin(self, angular: Array, guess: Array, time_step: float) -> Array | None:
-        """Return the spin of the step, (3,), with which angular momentum stays as it is.
+        """Return the spin of the step, (3,), that keeps the angular momentum.
 
         `angular` is in the axes of the base before the step. Newton's method from a guess, with a
-        slope that is renewed where it does not serve; None if that does not converge.
+        slope that is renewed where it converges slowly; None if it does not converge.
         """
         x, y, z = angular.tolist()
         tolerance = _TOLERANCE * (abs(x) + abs(y) + abs(z))
@@ -91,7 +91,7 @@ class WholeInertia:
         return invert(self._inertia - half_step * change)
 
     def velocity(self, linear: Array, spin: Array) -> Array:
-        """Return the velocity of the base, (3,), with which the body has a linear momentum."""
+        """Return the velocity of the base, (3,), that gives the body this linear momentum."""
         left: Array = linear - self._first_moment @ spin - self._linear_of_joints
         return left / self.mass
 

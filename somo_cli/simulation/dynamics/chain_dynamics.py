@@ -1,6 +1,6 @@
 """Rigid-body dynamics of a chain at one pose, as arrays: inertia, energies, loads, stiffness.
 
-The engine is not asked, so that `check` can do without it and a result can be held against it.
+No engine is needed, so `check` runs without one, and results of an engine are compared with these.
 Coordinates are the base's angular velocity and the velocity of its centre of mass, both in the
 world frame, then the joint rates: 6 + n of them. Link 0 is the base; joint i moves link i + 1, and
 joints of a limb are in series. Everything is in the units of the chain.
@@ -22,7 +22,7 @@ from somo_cli.simulation.dynamics.link_frames import LinkFrames
 
 
 class ChainDynamics:
-    """What of a chain no pose changes, as arrays; `at` gives the chain at a pose."""
+    """The arrays of a chain that do not depend on its pose; `at` gives the chain at a pose."""
 
     def __init__(self, chain: Chain) -> None:
         joints, links = chain.joints, chain.links
@@ -71,11 +71,11 @@ class ChainPose:
 
     @property
     def tip(self) -> Array:
-        """Where the tip is, of the last limb if there are several, shape (3,)."""
+        """The position of the tip, shape (3,); with several limbs that of the last."""
         return self.point(*self.chain.tips[-1])
 
     def tip_jacobians(self) -> tuple[Array, ...]:
-        """Return how the joints move the tip of each limb, (3, n) each; the base is held."""
+        """Return the Jacobian of the tip of each limb, (3, n) each, with the base held."""
         return tuple(
             np.cross(self.axes, self.point(link, tip) - self.origins[1:]).T
             * self.chain.moved_by[link]
@@ -98,12 +98,12 @@ class ChainPose:
         return matrix
 
     def joint_inertia(self, has_free_base: bool = False) -> Array:
-        """Return what the joints feel, shape (n, n): of a held base, or of one nothing holds."""
+        """Return the inertia that the joints feel, shape (n, n), with the base held or free."""
         matrix = self.mass_matrix()
         return FreeBase.of(matrix).joint_inertia if has_free_base else matrix[6:, 6:]
 
     def _jacobians(self) -> tuple[Array, Array]:
-        """Return velocity of every centre of mass and spin of every link, (n + 1, 3, 6 + n)."""
+        """Return the Jacobians of all centres of mass and of all spins, (n + 1, 3, 6 + n) each."""
         n = self.chain.count
         linear, angular = np.zeros((2, n + 1, 3, 6 + n))
         angular[:, :, :3] = np.eye(3)
@@ -156,7 +156,7 @@ class ChainPose:
     def gravity_stiffness(self, gravity: Vector) -> Array:
         """Return the joint stiffness of gravity, (n, n); not positive where the chain may topple.
 
-        As `force_stiffness`, with all the mass that a joint carries at its common centre.
+        As `force_stiffness`, with the mass that each joint carries at its common centre.
         """
         n = self.chain.count
         stiffness: Array = np.zeros((n, n))
@@ -170,7 +170,7 @@ class ChainPose:
         return stiffness
 
     def kinetic_energy(self, rates: Sequence[float] | Array) -> float:
-        """Return the kinetic energy at these rates, shape (6 + n,): base first."""
+        """Return the kinetic energy at these rates, shape (6 + n,), those of the base first."""
         linear, angular = self._jacobians()
         speeds, spins = linear @ np.asarray(rates), angular @ np.asarray(rates)
         local = np.einsum("ikj,ik->ij", self.rotations, spins)
@@ -188,7 +188,7 @@ class ChainPose:
 
 
 def _moved_links(joints: slice) -> range:
-    """Return the links that joints in series move."""
+    """Return which links each of several joints in series moves."""
     return range(joints.start + 1, joints.stop + 1)
 
 

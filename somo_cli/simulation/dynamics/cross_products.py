@@ -1,4 +1,4 @@
-"""Cross products of many vectors as matrices: numpy's own are slow, and needed in many steps."""
+"""Cross products of many vectors as matrices: numpy's own function is slow, and steps need many."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from somo_cli.arrays import Array
 
 
 def skew_matrices(vectors: Array) -> Array:
-    """Return the matrices, (n, 3, 3), that act on a vector as the cross products v x do."""
+    """Return the matrices, (n, 3, 3), whose product with a vector w is the cross product v x w."""
     matrices: Array = np.zeros((len(vectors), 3, 3))
     x, y, z = vectors.T
     matrices[:, 0, 1], matrices[:, 1, 0] = -z, z

@@ -1,4 +1,4 @@
-"""The external loads of one body as generalised forces."""
+"""The external loads of a body as generalised forces."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from somo_cli.simulation.plan.model import Body, PlannedLoad
 
 @dataclass(frozen=True, slots=True)
 class LinkLoad:
-    """A force and a moment on a point of a link, as arrays; at a factor of one.
+    """A force and a moment on a point of a link, as arrays, at a factor of one.
 
-    The point is in the frame of the link, and so are force and moment if the load turns with it,
-    which else are in the world.
+    The point is in the frame of the link. Force and moment are in that frame too if the load turns
+    with the link, else in the world.
     """
 
     link: int
@@ -44,9 +44,9 @@ class LinkLoad:
 
 
 class ExternalLoads:
-    """The loads of one body; `base_pose` tells where its base frame is, if it can move.
+    """The loads of one body, in engine units and the world frame.
 
-    In the units of the engine, vectors in the world frame.
+    `base_pose` returns the pose of its base frame, if that can move.
     """
 
     def __init__(self, body: Body, base_pose: Callable[[], Pose]) -> None:
@@ -62,7 +62,7 @@ class ExternalLoads:
     def force(self, time: float, angles: Array) -> Array:
         """Return the generalised force, shape (6 + n,), of all loads at a time [s] and a pose.
 
-        As `ChainPose.generalised_force` gives it. What is not loaded costs no pose.
+        As `ChainPose.generalised_force`. Without a load at that time no pose is computed.
         """
         factors = [signal.at(time) for signal in self._signals]
         if not any(factors):
@@ -77,7 +77,7 @@ class ExternalLoads:
     def constant_until(self, time: float) -> float:
         """Return the time [s] up to which no load acts, or `time` if one does.
 
-        A load that is constant is steady only while it is zero: what it does depends on the pose.
+        A constant load counts only while it is zero: its generalised force depends on the pose.
         """
         if any(signal.at(time) != 0 for signal in self._signals):
             return time
@@ -92,8 +92,8 @@ def generalised_load_force(load: PlannedLoad, pose: ChainPose) -> Array:
 def load_stiffness(load: PlannedLoad, pose: ChainPose, factor: float) -> Array:
     """Return the joint stiffness, (n, n), of a force that keeps its direction; else zero.
 
-    A force or moment that turns with its link, and a moment, have no potential; their stiffness
-    is not symmetric, and left out.
+    Moments, and forces that turn with their link, have no potential; their stiffness is not
+    symmetric and is left out.
     """
     force = factor * np.array(load.force if load.frame == "world" else (0.0, 0.0, 0.0))
     return pose.force_stiffness(load.link, pose.point(load.link, load.point), force)

@@ -1,4 +1,4 @@
-"""Where the links of a chain are at many instants at once."""
+"""The link frames of a chain at many instants at once."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ Frames: TypeAlias = tuple[Array, Array]
 
 
 class ForwardKinematics:
-    """What of a chain no pose changes; `frames` follows it from the base on.
+    """The arrays of a chain that do not depend on its pose; `frames` gives all link frames.
 
-    Every operation is on all instants together and no number depends on its neighbours, so that a
-    frame is the same to the last bit whichever others are asked for with it.
+    Every operation is on all instants together, and no number depends on its neighbours. So a frame
+    is the same to the last bit whichever others are computed with it.
     """
 
     def __init__(self, chain: Chain) -> None:
@@ -92,7 +92,7 @@ def frames_from_poses(poses: Sequence[Pose]) -> Frames:
 
 
 def point_positions(frames: Frames, link: int, local: geometry.Vector) -> Array:
-    """Return where a point of a link is in the world, shape (3, m), given in the link's frame."""
+    """Return the world positions, shape (3, m), of a point given in the frame of its link."""
     positions, rotations = frames
     place: Array = positions[link].copy()
     for along, offset in enumerate(local):
@@ -103,7 +103,7 @@ def point_positions(frames: Frames, link: int, local: geometry.Vector) -> Array:
 def quaternions(rotations: Array) -> Array:
     """Return rotations, shape (..., 3, 3, m), as unit quaternions (x, y, z, w), (..., 4, m).
 
-    As `geometry.quaternion_from_rotation`: w >= 0, and nothing is divided by a small number.
+    As `geometry.quaternion_from_rotation`: w >= 0, without division by small numbers.
     """
     r = np.moveaxis(rotations, (-3, -2), (0, 1))
     trace = r[0, 0] + r[1, 1] + r[2, 2]

@@ -1,4 +1,4 @@
-"""A free base, eliminated from the equations of motion: what the joints feel of it.
+"""A free base eliminated from the equations of motion: the inertia that its joints feel.
 
 With the inertia of a body in blocks, base first, and no forces but those given,
 
@@ -17,10 +17,10 @@ from somo_cli.arrays import Array, invert
 
 @dataclass(frozen=True, slots=True)
 class FreeBase:
-    """What a base that nothing holds is to n joints; the base's coordinates are those of M.
+    """The effect of a free base on n joints; the base has the coordinates of M.
 
-    `inverse` is M_b⁻¹, shape (6, 6), `to_joints` M_jb M_b⁻¹, shape (n, 6), and `joint_inertia` what
-    the joints feel, shape (n, n).
+    `inverse` is M_b⁻¹, shape (6, 6), `to_joints` M_jb M_b⁻¹, shape (n, 6), and `joint_inertia` the
+    inertia that the joints feel, shape (n, n).
     """
 
     inverse: Array

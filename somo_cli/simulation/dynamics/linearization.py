@@ -1,4 +1,4 @@
-"""What decides, at the start, how a body is to be followed: how gravity and bending change it."""
+"""How much gravity and bending change a body, which decides how often it is refreshed."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ TEST_BEND = 0.1  # rad: how far the chain is bent where it is asked how fast its
 def fastest_gravity_mode(pose: ChainPose, gravity: Vector, mass: Array) -> float:
     """Return the highest natural frequency [rad/s] that gravity alone gives a chain at a pose.
 
-    Of M q'' + G q = 0; of either sign, so also how fast it topples. The base is held.
+    Of M q'' + G q = 0 with the base held. Of either sign: also the rate at which a chain topples.
     """
     modes = np.linalg.eigvals(np.linalg.solve(mass, pose.gravity_stiffness(gravity)))
     return math.sqrt(float(np.abs(modes).max()))
@@ -32,12 +32,12 @@ def positive_gravity_stiffness(pose: ChainPose, gravity: Vector) -> Array:
 def largest_inertia_change(
     chain: ChainDynamics, angles: Array, has_free_base: bool, turn: float
 ) -> float:
-    """Return the relative change of inertia, of the motion that it changes most, in a turn [rad].
+    """Return the largest relative change of inertia of any motion in a turn [rad] of the joints.
 
-    Links much lighter than what they carry can move so that the load stays where it is. How
-    changes as the chain bends: a mass matrix that is a little old gives such a motion many times
-    its inertia, or a negative one, which no choice of B withstands. Asked of the chain bent
-    unevenly, since a straight one tells little; the turn is the root of the sum of squares.
+    Links much lighter than what they carry can move so that the load stays where it is. Which
+    motion that is changes as the chain bends: a mass matrix that is a little old gives it many
+    times its inertia, or a negative one, which no choice of B withstands. The chain is taken at an
+    uneven bend, since a straight one shows little; the turn is the root of the sum of squares.
     """
     number = np.arange(chain.count)
     bent = angles + TEST_BEND * np.sin(1 + 2.7 * number)

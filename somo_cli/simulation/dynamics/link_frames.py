@@ -19,7 +19,7 @@ _IDENTITY_TRANSFORM = np.eye(4)
 
 
 class LinkFrames:
-    """What of the frames no pose changes; lengths in the units of the chain."""
+    """The transforms that do not depend on the pose; lengths in the units of the chain."""
 
     def __init__(self, chain: Chain) -> None:
         joints = chain.joints
@@ -58,10 +58,10 @@ class LinkFrames:
 
 
 def _frame_products(chain: Chain) -> tuple[tuple[slice | IntArray, slice | IntArray], ...]:
-    """Return which frames are multiplied by which, in turn, for all to be in the world's.
+    """Return the rounds of products that turn frames in the parent into frames in the world.
 
-    First by the parent's, then by that of the parent's parent, and so on by twice as many; of a
-    manipulator by itself these are slices, which numpy takes without a copy.
+    Each frame is multiplied by that of its parent, then by that 2, 4, ... links before. For a lone
+    manipulator these are slices, which numpy takes without a copy.
     """
     if not chain.limbs:
         steps = tuple(1 << power for power in range(len(chain.joints).bit_length()))

@@ -16,8 +16,8 @@ MIN_JOINT_INERTIA = 2.2e-16
 def natural_frequencies(mass: Array, stiffness: Array) -> Array:
     """Return the natural frequencies [rad/s] without damping, lowest first, shape (n,).
 
-    `mass` is of shape (n, n), `stiffness` likewise, or its diagonal. What a negative stiffness
-    lets topple counts as zero. Raises numpy.linalg.LinAlgError for a mass matrix that is not
+    `mass` is of shape (n, n), `stiffness` likewise, or its diagonal. Motions of negative stiffness,
+    which topple, count as zero. Raises numpy.linalg.LinAlgError for a mass matrix that is not
     positive definite.
     """
     squares = np.linalg.eigvalsh(mass_normalisation(mass)[0](stiffness))
@@ -49,9 +49,9 @@ def largest_explicit_step(mass: Array, stiffness: Array, damping: Sequence[float
 
 
 def articulated_inertia(mass: Array) -> Array:
-    """Return what each joint feels when those beyond it give way, shape (n,).
+    """Return the inertia that each joint feels while those beyond it move freely, shape (n,).
 
-    The diagonal of D in M = Lᵀ D L, which is what the engine divides by: Featherstone, Rigid Body
+    The diagonal of D in M = Lᵀ D L, by which the engine divides: Featherstone, Rigid Body
     Dynamics Algorithms (2008), sec. 6.5. Raises numpy.linalg.LinAlgError.
     """
     inertia: Array = np.diag(np.linalg.cholesky(mass[::-1, ::-1]))[::-1] ** 2
@@ -59,7 +59,7 @@ def articulated_inertia(mass: Array) -> Array:
 
 
 def mass_normalisation(mass: Array) -> tuple[Callable[[Array], Array], Callable[[Array], Array]]:
-    """Return a function that refers a matrix to unit masses, and one that leads shapes back.
+    """Return a function that normalises a matrix to unit mass, and one that transforms shapes back.
 
     With M = L Lᵀ the first gives L⁻¹ A L⁻ᵀ, the second L⁻ᵀ v. Raises numpy.linalg.LinAlgError.
     """

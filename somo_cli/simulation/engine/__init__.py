@@ -1,1 +1,1 @@
-"""What a run needs of a physics engine: the interface, contacts and what was loaded."""
+"""The interface of a physics engine: bodies, objects, contacts, and a check of what it loaded."""

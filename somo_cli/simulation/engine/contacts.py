@@ -1,4 +1,4 @@
-"""Contact points as the engine reports them, and the forces they sum up to."""
+"""Contact points as the engine reports them, and the sums of their forces."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class ContactPoint(NamedTuple):
     """One contact point in the last step, in engine units and the world's axes.
 
     `normal` is a unit vector from second to first, `normal_force` the force along it on the first.
-    `friction_forces` are the two friction forces on the first, each a direction and a size.
+    `friction_forces` are the two friction forces on the first, each a direction and a magnitude.
     """
 
     first: LinkIndex
@@ -35,7 +35,7 @@ class ContactPoint(NamedTuple):
 def friction_contact(
     first: LinkIndex, second: LinkIndex, point: Sequence[float], force: Sequence[float]
 ) -> ContactPoint:
-    """Return a contact point of friction alone; another has its normal force."""
+    """Return a contact point with friction alone; its normal force is that of another point."""
     size = geometry.norm(geometry.vector(force))
     x, y, z = (part / size if size > 0 else 0.0 for part in force)
     friction_forces = ((x, y, z), size), (geometry.ZERO, 0.0)
@@ -43,9 +43,9 @@ def friction_contact(
 
 
 class ContactForce(NamedTuple):
-    """The force of several contact points on one partner, in the world's axes [engine units].
+    """The sum of contact forces on one body, link or object, in the world's axes [engine units].
 
-    The total force, the sums of normal and of friction magnitudes, the friction force.
+    The total force, the sums of the magnitudes of normal and of friction forces, and the friction.
     """
 
     fx: float
@@ -65,7 +65,7 @@ SignedContact: TypeAlias = tuple[ContactPoint, float]
 
 
 def contacts_on(points: Sequence[ContactPoint], body: int) -> list[SignedContact]:
-    """Return the contact points of a body with others; forces within it sum to nothing."""
+    """Return the contact points of a body with others; forces within the body sum to zero."""
     return [
         (point, 1.0 if point.first[0] == body else -1.0)
         for point in points
@@ -74,7 +74,7 @@ def contacts_on(points: Sequence[ContactPoint], body: int) -> list[SignedContact
 
 
 def contacts_between(points: Sequence[ContactPoint], body: int, other: int) -> list[SignedContact]:
-    """Return the contact points of a body with another one."""
+    """Return the contact points between two bodies."""
     return [
         contact
         for contact in contacts_on(points, body)
@@ -83,7 +83,7 @@ def contacts_between(points: Sequence[ContactPoint], body: int, other: int) -> l
 
 
 def contacts_on_link(points: Sequence[ContactPoint], link: LinkIndex) -> list[SignedContact]:
-    """Return what points a link of a body, other links of the same body included."""
+    """Return the contact points of a link, those with other links of its body included."""
     return [
         (point, sign)
         for point in points
@@ -104,7 +104,7 @@ def total_force(contacts: Sequence[SignedContact]) -> tuple[float, float, float,
 
 
 def contact_force(contacts: Sequence[SignedContact]) -> ContactForce:
-    """Return the force of contact points, and what of it is friction."""
+    """Return the sum of the forces of contact points, with the friction by itself."""
     if not contacts:
         return NO_CONTACT
     tx = ty = tz = friction = 0.0

@@ -1,4 +1,4 @@
-"""What a run needs of an engine: a handful of verbs, in engine units."""
+"""The interface of an engine: all that a run asks of one, in engine units."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from somo_cli.simulation.engine.pressing import ContactReader
 
 
 class WorldBody(Protocol):
-    """What a run needs of one body: joints base to tip, engine units."""
+    """A manipulator in an engine: joints from base to tip, engine units."""
 
     joint_states: Callable[[], Sequence[Any]]
     """Returns one tuple per joint that starts with its angle and rate."""
@@ -31,22 +31,22 @@ class WorldBody(Protocol):
         spin: Sequence[float] = (),
         centre: Pose | None = None,
     ) -> Array:
-        """Return the forces that gravity and Coriolis terms ask for, on a free base as well.
+        """Return the bias forces of gravity and Coriolis terms, those on a free base included.
 
-        With `centre`, the `base_inertial_pose` of a base that can move, that need not be asked for.
+        `centre` is the `base_inertial_pose` of a base that can move, if it is known already.
         """
 
     def equivalent_joint_torques(self, forces: Array) -> Array:
         """Return the joint torques that accelerate the joints as these forces do, shape (n,)."""
 
     def to_base_axes(self, forces: Array) -> Array:
-        """Return forces, shape (6 + n,), in the world's axes on the base, in the base's own."""
+        """Return forces, shape (6 + n,), with those on the base turned from world to base axes."""
 
     def apply_base_wrench(self, wrench: Array, centre: Pose | None = None) -> None:
         """Apply a torque and a force to the base during the next step, in its own axes."""
 
     def base_inertial_pose(self) -> Pose:
-        """Return the pose in the world of the base's centre of mass, along its principal axes."""
+        """Return the world pose of the base's centre of mass and principal axes."""
 
     def base_pose(self) -> Pose:
         """Return the pose of the base frame in the world."""
@@ -64,7 +64,7 @@ class WorldBody(Protocol):
 
 
 class WorldObject(Protocol):
-    """What a run needs of one object, engine units."""
+    """An object in an engine, engine units."""
 
     principal_moments: Vector
     """The moments of inertia about the principal axes; zeros if nothing can move it."""
@@ -75,9 +75,9 @@ class WorldObject(Protocol):
     def reset(
         self, linear_velocity: Vector | None = None, principal_rate: Vector | None = None
     ) -> None:
-        """Put the object at its start, with other velocities if given.
+        """Put the object at its start, with these velocities if they are given.
 
-        That of its centre is in the world, the angular one along its principal axes.
+        The velocity of its centre is in the world, the angular velocity along its principal axes.
         """
 
     def principal_rate(self) -> Vector:
@@ -98,12 +98,12 @@ class WorldObject(Protocol):
     def mobility(self) -> tuple[Vector, Array]:
         """Return its centre of mass and the inverse of its inertia, (6, 6), in the world.
 
-        Angular, then linear; zero if it cannot yield.
+        Angular coordinates first, then linear; zero if it cannot move.
         """
 
 
 class WorldFreeBody(WorldBody, Protocol):
-    """What a run needs of a body whose base is free."""
+    """A manipulator with a free base."""
 
     def base_response(self) -> tuple[Array, Array]:
         """Return the inverse M_b⁻¹ of the base's inertia, and M_jb M_b⁻¹, (6, 6) and (n, 6).
@@ -115,37 +115,37 @@ class WorldFreeBody(WorldBody, Protocol):
         """Return the inertia of base and joints, shape (6 + n, 6 + n), base first, as above."""
 
     def inertial_forces(self, angles: Sequence[float], motion: Array, acceleration: Array) -> Array:
-        """Return the forces, (6 + n,), with which a body moves so, where there is no gravity.
+        """Return the forces, (6 + n,), that a body needs for this motion without gravity.
 
-        All are those of the base first, as above; the linear velocity changes nothing.
+        The base comes first, as above; its linear velocity changes nothing.
         """
 
 
 class WorldPrescribedBody(WorldBody, Protocol):
-    """What a run needs of a body whose base is moved."""
+    """A manipulator whose base has a prescribed motion."""
 
     def move_base(self, goal: Pose, is_at_rest: bool) -> None:
-        """Have the base frame at this pose after the next step, and after more if at rest."""
+        """Lead the base frame to this pose in the next step, and keep it there if it is at rest."""
 
     def base_acceleration_torques(self, acceleration: Array) -> Array:
-        """Return the joint torques, shape (n,), that an acceleration of the base asks for.
+        """Return the joint torques, shape (n,), that an acceleration of the base requires.
 
-        Shape (6,), the angular one, then that of the centre of mass, in the world.
+        The acceleration, shape (6,), is in the world: angular, then that of the centre of mass.
         """
 
 
 class WorldKinematicObject(WorldObject, Protocol):
-    """What a run needs of an object that is moved."""
+    """An object with a prescribed motion."""
 
     def move_to(self, goal: Pose, time_step: float) -> None:
-        """Have the frame at this pose after the next step."""
+        """Lead the frame to this pose in the next step."""
 
     def hold_pose(self) -> None:
-        """Have the frame stay where it is until it is moved."""
+        """Hold the frame where it is until it is moved."""
 
 
 class World(Protocol):
-    """What a run needs of an engine."""
+    """An engine with everything that a plan has loaded into it."""
 
     @property
     def bodies(self) -> Sequence[WorldBody]:
@@ -159,19 +159,19 @@ class World(Protocol):
     """Advances every body by one time step."""
 
     def contact_points(self) -> list[ContactPoint]:
-        """Return every contact point of the last step, in an order that is always the same."""
+        """Return all contact points of the last step, in a reproducible order."""
 
     def penetrations(self) -> Sequence[tuple[LinkIndex, LinkIndex, float]]:
-        """Return which parts were how deep in each other in the last step; depths above 0 only."""
+        """Return each two parts that overlapped in the last step, with the depth, above 0."""
 
     def normal_forces(self) -> Mapping[BodyPair, float]:
-        """Return the sum of normal forces between each two bodies that pressed in the last step."""
+        """Return the sum of normal forces of each two bodies that pressed in the last step."""
 
     def contact_reader(self) -> ContactReader:
-        """Return what reads the contact points that press."""
+        """Return the reader of the contact points that press."""
 
     def claim_engine(self) -> None:
-        """Set again what all engines of a process share; before steps, if several are open."""
+        """Set the parameters that all engines of a process share; needed where several are open."""
 
     def adapt_solver_iterations(self) -> None:
-        """Let the solver take as many iterations as pay with what `penetrations` saw last."""
+        """Choose the solver's iterations for the contacts that `penetrations` saw last."""

@@ -1,4 +1,4 @@
-"""Contact points that press: what the prediction of contact forces needs of an engine."""
+"""The interface of contact points that press, for the prediction of contact forces."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ Pair: TypeAlias = tuple[LinkIndex, LinkIndex]
 
 @dataclass(frozen=True, slots=True)
 class ContactPair:
-    """How the engine treats two surfaces; engine units.
+    """The contact parameters of two surfaces; engine units.
 
-    `compliance` is a stiffness and a damping, None where the engine takes both as rigid.
+    `compliance` is a stiffness and a damping, None where both surfaces are rigid.
     """
 
     friction: float
@@ -25,7 +25,7 @@ class ContactPair:
 
 
 class PressingForces(NamedTuple):
-    """How m points pressed in the last step, in the world and in engine units."""
+    """The forces at m points in the last step, in the world and in engine units."""
 
     forces: list[float]
     """The forces on the first sides, friction included: 3 m numbers."""
@@ -37,9 +37,9 @@ class PressingForces(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class PressingPoints:
-    """Where it presses, as it was when the last step began: pairs of places, and (m, 3) each.
+    """The points that press, as the last step began: pairs of places, and (m, 3) each.
 
-    The points on the first and on the second sides, and unit normals from second to first.
+    The points on the first and on the second side, and unit normals from the second to the first.
     """
 
     pairs: Sequence[Pair]
@@ -49,28 +49,28 @@ class PressingPoints:
 
 
 class ContactReader(Protocol):
-    """What the prediction of contact forces needs of an engine."""
+    """Reads the contact points that press."""
 
     recovery: float
     """Share of an overlap of rigid parts that the engine undoes in a step."""
 
     def pressing(self) -> Sequence[Hashable] | None:
-        """Return which links pressed at each point in the last step, None where nothing is near."""
+        """Return the links at each point that pressed in the last step, None if nothing is near."""
 
     def pairs(self) -> Sequence[Pair]:
         """Return the places of each point that `pressing` returned last."""
 
     def follow(self, kept: Sequence[int]) -> None:
-        """Take the points that `points` and `forces` are about, by their order in `pressing`.
+        """Choose the points that `points` and `forces` return, by their order in `pressing`.
 
         They stay the same until it returns other links.
         """
 
     def points(self) -> PressingPoints:
-        """Return where the points that are followed are."""
+        """Return the positions of the points that are followed."""
 
     def forces(self) -> PressingForces:
-        """Return how the points that are followed press."""
+        """Return the forces at the points that are followed."""
 
     def pair(self, pair: Pair) -> ContactPair:
-        """Return how the engine treats two surfaces."""
+        """Return the contact parameters of two surfaces."""

@@ -1,4 +1,4 @@
-"""What the engine understood, compared with what was compiled."""
+"""Compare what the engine has loaded with what was compiled."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a scene to the plan of its run: what the engine needs, in its units, and no more."""
+"""Make the plan of a run from its scene: all that the engine needs, in its units, and no more."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ from somo_cli.simulation.plan.units import TORQUE
 
 @dataclass(frozen=True, slots=True)
 class LoadOptions:
-    """What the engine gets of a body."""
+    """Which parts of a body the engine loads."""
 
     has_collisions: bool
     """Whether it gets the collision shapes."""
@@ -50,7 +50,7 @@ class LoadOptions:
     def of(
         manipulator: Manipulator, scene: Scene, can_touch: bool, keeps_unused: bool
     ) -> LoadOptions:
-        """Return what a result needs of a manipulator, or everything if `keeps_unused`."""
+        """Return the parts that a result depends on, or all if `keeps_unused`."""
         return LoadOptions(
             has_collisions=keeps_unused or can_touch,
             has_visuals=keeps_unused,
@@ -95,9 +95,9 @@ def make_plan(scene: Scene, keeps_unused: bool = False) -> Plan:
 
 
 def needs_engine_limits(can_touch: bool, integrator: Integrator, base: Base) -> bool:
-    """Whether the law alone would not stop the joints of a body at their limits.
+    """Whether the joints of a body need the engine's own limits, since the law does not hold them.
 
-    Pushed by what moves, they get beyond, and the explicit law stops none.
+    A moving base or object can push them beyond, and the explicit law stops none.
     """
     return can_touch or integrator == "explicit" or base != "static"
 

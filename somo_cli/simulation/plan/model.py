@@ -36,10 +36,10 @@ EQUAL_MOMENTS = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class ActuatorTorque:
-    """A torque over time and the joints of one body that it acts on.
+    """A torque over time, and the joints of one body that it acts on.
 
-    `signal` is in engine units, as it acts; `si_signal` [N·m] is what is recorded of it, which no
-    scaling has rounded.
+    `signal` is in engine units; `si_signal` [N·m] is the one to record, which no scaling has
+    rounded.
     """
 
     actuator: int
@@ -83,9 +83,9 @@ class InitialState:
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """One manipulator, ready to load: `chain` in engine units, and the URDF of it.
+    """A manipulator to load: its `chain` in engine units, and its URDF.
 
-    The URDF has no shapes where nothing can touch: shapes cost the engine time and change
+    The URDF has no shapes where nothing can touch: shapes would cost the engine time and change
     nothing, since every inertia is in the file.
     """
 
@@ -113,10 +113,7 @@ class Body:
 
 @dataclass(frozen=True, slots=True)
 class PlannedObject:
-    """One object, ready to load: in engine units, the URDF of it, or a compound instead.
-
-    With its path if it is moved.
-    """
+    """An object to load, in engine units: its URDF or compound, and its path if it is moved."""
 
     rigid_object: RigidObject
     urdf: str
@@ -125,7 +122,7 @@ class PlannedObject:
 
     @property
     def has_gyroscopic_torque(self) -> bool:
-        """Whether it can turn freely and its moments of inertia differ by more than rounding."""
+        """Whether it can rotate freely and its moments of inertia differ by more than rounding."""
         if self.rigid_object.has_prescribed_pose:
             return False
         least, _, most = geometry.principal_moments(
@@ -159,7 +156,7 @@ class Plan:
 
     @property
     def recorded(self) -> Recorded:
-        """What is recorded, and of what: all that the columns depend on."""
+        """The recorded quantities and the names that the columns depend on."""
         return Recorded(
             tuple((body.name, body.chain) for body in self.bodies),
             tuple(planned.rigid_object.name for planned in self.objects),

@@ -1,4 +1,4 @@
-"""From SI to the engine's units: the few factors that rows and stops need."""
+"""The factors from SI to the engine's units that rows and stop conditions need."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ class AnisotropicFriction:
         self._spring_forces = np.where(
             shares[:, None] < 1.0, friction_forces + damper_forces, spring_forces
         )
-        # a spring that slip_velocities is no longer than the limit, or it would have to unwind
+        # a spring that slips is no longer than the limit allows, or it would have to unwind
         lengths = np.sqrt((self._spring_forces * self._spring_forces).sum(axis=1))
         self._spring_forces *= np.minimum(1.0, limits / np.maximum(lengths, 1e-300))[:, None]
         forces: Array = np.einsum("pij,pj->pi", factors, friction_forces)

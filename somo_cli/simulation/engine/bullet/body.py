@@ -58,7 +58,7 @@ class BulletBody(BulletDynamics):
             self._constrain_base()
 
     def _make_apply(self) -> Callable[[Sequence[float]], None]:
-        """Return the function that applies joint torques, base to tip, during the next step."""
+        """Return a function that applies joint torques, from base to tip, during the next step."""
         index, joints, client = self.index, self._joints, self.engine.number
         module = self.engine.module
         control, mode = module.setJointMotorControlArray, module.TORQUE_CONTROL
@@ -81,7 +81,7 @@ class BulletBody(BulletDynamics):
     def apply_base_wrench(self, wrench: Array, centre: Pose | None = None) -> None:
         """Apply a torque and a force, shape (6,), to the base's centre of mass in the next step.
 
-        In the base's own axes, as `bias` gives them; `centre` is as there.
+        In the base's own axes, as those of `bias`; for `centre` see there.
         """
         at = centre or self.base_inertial_pose()
         tx, ty, tz, fx, fy, fz = wrench.tolist()
@@ -91,7 +91,7 @@ class BulletBody(BulletDynamics):
         engine.applyExternalTorque(self.index, -1, torque, world, client)
 
     def base_pose(self) -> Pose:
-        """Return the pose in the world of the base's URDF frame; the engine tells the centre's."""
+        """Return the world pose of the base's URDF frame; the engine reports the centre of mass."""
         centre = self.base_inertial_pose()
         rotation = geometry.multiply(centre.rotation, geometry.transposed(self._inertial_in_base))
         offset = geometry.rotate(rotation, self._com_in_base)
@@ -199,7 +199,7 @@ class BulletBody(BulletDynamics):
         return dynamics[3], geometry.rotation_from_quaternion(dynamics[4])
 
     def _check_readback(self) -> None:
-        """Compare what the engine understood with what was compiled.
+        """Compare what the engine has loaded with what was compiled.
 
         This catches an inertia the engine would not take, cut lines and misread numbers.
         """

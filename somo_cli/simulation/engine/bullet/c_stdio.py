@@ -1,4 +1,4 @@
-"""What a C library does to the process behind Python's back: it prints, and reads by the locale."""
+"""Guard the process against a C library that prints, and that reads numbers by the locale."""
 
 from __future__ import annotations
 

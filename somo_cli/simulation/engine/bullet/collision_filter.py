@@ -1,4 +1,4 @@
-"""Which parts of a world in PyBullet can touch, and which are in each other."""
+"""Which parts of a world in PyBullet can touch, and which overlap."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def iteration_limit(points: int) -> int:
 
 
 def squared_residual_speed(plan: Plan) -> float:
-    """Return the square of the speed [engine units/s] that the solver may leave undone."""
+    """Return the square of the residual speed [engine units/s] at which the solver may stop."""
     speed: float = RESIDUAL_SPEED * plan.scale.length
     return speed**2
 
@@ -41,8 +41,8 @@ def disable_fixed_collisions(
 ) -> None:
     """Keep bases that a constraint holds from colliding with each other and with what is held.
 
-    Two of which neither yields would fight without end; for fixed ones the engine does so itself.
-    The numbers are the engine's, of bodies.
+    Two bodies of which neither can move would push without end; for fixed ones the engine knows.
+    The numbers are those that the engine gives to bodies.
     """
     for base in constrained:
         for other in held:
@@ -51,11 +51,11 @@ def disable_fixed_collisions(
 
 
 def depths(engine: BulletClient, order: Sequence[int]) -> dict[tuple[int, int], float]:
-    """Return how deep two bodies are in each other, for all that are, where they are now.
+    """Return the depths of all overlaps of two bodies at their present poses.
 
-    By their places in `order`, which lists the engine's numbers; the smaller place comes first.
-    What cannot collide is in nothing. The world should not be run any more: the engine remembers
-    what it was asked.
+    Bodies are named by their places in `order`, which lists the engine's numbers; the smaller place
+    comes first. Bodies that cannot collide do not overlap. Do not step the world afterwards: the
+    engine remembers the query.
     """
     engine.performCollisionDetection()
     places = {number: place for place, number in enumerate(order)}

@@ -1,4 +1,4 @@
-"""Surfaces as the engine takes them, and what it must be options for bodies to rebound."""
+"""The contact parameters that PyBullet is given for each surface, and for bodies to rebound."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ REBOUND_STEPS = 2.0  # a slower approach than gravity's in so many steps is no i
 
 
 def surface_settings(surface: ContactSurface) -> Mapping[str, float]:
-    """Return what `changeDynamics` is to be options of a surface; engine units.
+    """Return the options of `changeDynamics` for a surface; engine units.
 
-    What the surface leaves at zero is not options, so that the engine has no rows for it.
+    A value of zero is left out, so that the engine's solver has no row for it.
     """
     friction = 0.0 if surface.friction_anisotropy else surface.friction  # ours, see `bullet_grip`
     options = {
@@ -35,7 +35,7 @@ def surface_settings(surface: ContactSurface) -> Mapping[str, float]:
 
 
 def contact_parameters(plan: Plan) -> Mapping[str, float]:
-    """Return what the engine is to be options of contact; more where something rebounds.
+    """Return the engine's options for contact; more of them where something rebounds.
 
     Seen in 3.2.7: the engine adds to the speed after an impact what is left of the gap in front of
     a body, or what it has to push out, so that a ball of restitution 0.5 came back with 0 to 0.6

@@ -51,7 +51,7 @@ class BulletContactReader:
         self.recovery = contact_parameters(plan).get("contactERP", RECOVERY)
 
     def pressing(self) -> Sequence[ContactKey] | None:
-        """Return which links pressed at each point in the last step, None where nothing is near."""
+        """Return the links at each point that pressed in the last step, None if nothing is near."""
         points = self._contacts.reported()
         if not points:
             return None
@@ -64,19 +64,19 @@ class BulletContactReader:
         return [self._pair_of(key) for key in self._keys]
 
     def follow(self, kept: Sequence[int]) -> None:
-        """Take the points that `points` and `forces` are about, by their order in `pressing`."""
+        """Choose the points that `points` and `forces` return, by their order in `pressing`."""
         self._kept = list(kept)
         self._takes_all = len(kept) == len(self._keys)
         self._kept_limits = [self._limit(self._keys[index]) for index in kept]
         self._kept_pairs = [self._pair_of(self._keys[index]) for index in kept]
 
     def points(self) -> PressingPoints:
-        """Return where the points that are followed are."""
+        """Return the positions of the points that are followed."""
         rows = np.array([one[5:8] for one in self._followed()])
         return PressingPoints(self._kept_pairs, rows[:, 0], rows[:, 1], rows[:, 2])
 
     def forces(self) -> PressingForces:
-        """Return how the points that are followed press."""
+        """Return the forces at the points that are followed."""
         forces: list[float] = []
         gaps: list[float] = []
         slides: list[bool] = []
@@ -92,7 +92,7 @@ class BulletContactReader:
         return pressing if self._takes_all else [pressing[index] for index in self._kept]
 
     def pair(self, pair: Pair) -> ContactPair:
-        """Return how the engine treats two surfaces."""
+        """Return the contact parameters of two surfaces."""
         known = self._pairs.get(pair)
         if known is None:
             known = self._pairs[pair] = self._ask(pair)

@@ -1,4 +1,4 @@
-"""A mesh to convex pieces, by V-HACD as PyBullet has it (Mamou, github.com/kmammou/v-hacd)."""
+"""Decompose a mesh into convex pieces, by PyBullet's V-HACD (Mamou, github.com/kmammou/v-hacd)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The dynamics of one body in PyBullet: inertia, bias forces, and what joints feel of them."""
+"""The dynamics of one body in PyBullet: inertia, bias forces, and their effect on the joints."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class BulletDynamics:
         self._base_velocity = partial(module.getBaseVelocity, index, client)
 
     def _update_gravity_in_base(self) -> None:
-        """Take how the base stands to gravity; its start pose is set."""
+        """Update the gravity in the axes of the base from its start pose, which is set."""
         axes = geometry.transposed(self.base_inertial_pose().rotation)
         self._gravity_in_base = geometry.rotate(axes, self._gravity)
         difference = geometry.subtract(self._gravity, self._gravity_in_base)
@@ -132,7 +132,7 @@ class BulletDynamics:
         spin: Sequence[float] = (),
         centre: Pose | None = None,
     ) -> Array:
-        """Return the forces that gravity and Coriolis terms ask for.
+        """Return the bias forces of gravity and Coriolis terms.
 
         Shape (n,), the joint torques, with the base at rest; for a free base (6 + n,), with the
         torque and the force on its centre of mass first, in its own axes. `spin` [rad/s] is the
@@ -197,6 +197,6 @@ class BulletDynamics:
         return own
 
     def base_inertial_pose(self) -> Pose:
-        """Return the pose in the world of the base's centre of mass, along its principal axes."""
+        """Return the world pose of the base's centre of mass and principal axes."""
         centre, orientation = self._base_pose()
         return Pose(centre, geometry.rotation_from_quaternion(orientation))

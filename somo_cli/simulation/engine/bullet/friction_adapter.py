@@ -44,7 +44,7 @@ class FrictionLink:
         surface: ContactSurface,
         axes: geometry.Matrix | None = None,
     ) -> FrictionLink:
-        """Return the skin of a loaded link; `axes` where the engine does not know the link's."""
+        """Return the surface data of a loaded link; `axes` if the engine does not know them."""
         reported = engine.getDynamicsInfo(body, link)
         axes = axes or geometry.transposed(geometry.rotation_from_quaternion(reported[4]))
         return FrictionLink(body, link, surface, reported[0], np.array(axes))
@@ -67,12 +67,12 @@ class InertialPoses:
         return seen
 
     def to_world(self, seen: Array) -> Array:
-        """Return where in the world points of the links are."""
+        """Return the world positions of points of the links."""
         placed: Array = self.centres + np.einsum("pij,pj->pi", self.axes, seen)
         return placed
 
     def moved_back(self, time: float, velocities: Array, spins: Array) -> InertialPoses:
-        """Return where links come from that have moved so for a short time."""
+        """Return the poses of links a short time ago, by their velocities."""
         turned = np.cross(spins[:, None, :], self.axes.transpose(0, 2, 1)).transpose(0, 2, 1)
         return InertialPoses(self.centres - time * velocities, self.axes - time * turned)
 
@@ -106,7 +106,7 @@ class PoseHistory:
 
 @dataclass(frozen=True, slots=True)
 class ContactData:
-    """What is known of the two links of each contact; `factors` in the inertial frame."""
+    """The data of the two links of each contact; `factors` are in the inertial frame."""
 
     own: PoseHistory
     other: PoseHistory
@@ -172,7 +172,7 @@ class FrictionAdapter:
             self._apply_force(key[2:], opposite, other)
 
     def _contact_data(self, keys: Sequence[ContactKey]) -> ContactData:
-        """Return what is known of the two links of each contact."""
+        """Return the data of the two links of each contact."""
         places = list(dict.fromkeys(place for key in keys for place in (key[:2], key[2:])))
         numbers = {place: number for number, place in enumerate(places)}
         history = self._pose_history(places)
@@ -241,7 +241,7 @@ class FrictionAdapter:
 
 
 def _reduced_mass(mass: float, other: float) -> float:
-    """Return what two bodies weigh against each other; 0 stands for one that cannot move."""
+    """Return the reduced mass of two bodies; 0 stands for one that cannot move."""
     if mass == 0 or other == 0:
         return mass or other
     return mass * other / (mass + other)

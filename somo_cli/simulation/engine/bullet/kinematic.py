@@ -1,4 +1,4 @@
-"""What is moved in PyBullet: a base that a constraint leads, and an object that yields to nothing.
+"""Prescribed motion in PyBullet: a base led by a constraint, and an object of infinite mass.
 
 A base is led by a constraint, because the engine then feels its acceleration and hands it on to
 the joints. An object is a body of infinite mass whose velocity is set.
@@ -20,14 +20,14 @@ MAX_IMPULSE = 1e12  # engine units of impulse; a constraint gives way beyond 500
 
 
 class PrescribedBody(BulletBody):
-    """One manipulator whose base goes where it is told, to rounding, whatever pulls at it."""
+    """A manipulator whose base follows a prescribed motion to rounding, whatever acts on it."""
 
     def __init__(self, engine: BulletClient, body: Body, gravity: Vector, path: str) -> None:
         self._constraint = -1
         super().__init__(engine, body, gravity, path)
 
     def move_base(self, goal: Pose, is_at_rest: bool) -> None:
-        """Have the base frame at this pose after the next step, and after more if at rest."""
+        """Lead the base frame to this pose in the next step, and keep it there if it is at rest."""
         present = self.base_inertial_pose()
         centre, axes = present.position, present.rotation
         way = geometry.subtract(goal.point(self._com_in_base), centre)
@@ -47,7 +47,7 @@ class PrescribedBody(BulletBody):
         self._is_tilted = True
 
     def base_acceleration_torques(self, acceleration: Array) -> Array:
-        """Return the joint torques, shape (n,), that an acceleration of the base asks for.
+        """Return the joint torques, shape (n,), that an acceleration of the base requires.
 
         `acceleration`, shape (6,), is the angular one, then that of the centre of mass, in the
         world; the inertia is that of the last `mass_matrix`.
@@ -74,14 +74,14 @@ class PrescribedBody(BulletBody):
 
 
 class KinematicObject(BulletObject):
-    """One object that goes where it is told and yields to nothing; contact feels its velocity."""
+    """An object that follows a prescribed motion, whatever acts on it, at a true velocity."""
 
     def __init__(self, engine: BulletClient, planned: PlannedObject, path: str) -> None:
         self._velocity = (geometry.ZERO, geometry.ZERO)
         super().__init__(engine, planned, path)
 
     def move_to(self, goal: Pose, time_step: float) -> None:
-        """Have the frame at this pose after the next step."""
+        """Lead the frame to this pose in the next step."""
         goal = self.to_engine(goal)
         centre, orientation = self._engine_pose()
         axes = geometry.rotation_from_quaternion(orientation)
@@ -94,20 +94,20 @@ class KinematicObject(BulletObject):
         self.engine.resetBaseVelocity(self.index, *self._velocity)
 
     def hold_pose(self) -> None:
-        """Have the frame stay where it is until it is moved."""
+        """Hold the frame where it is until it is moved."""
         self._velocity = (geometry.ZERO, geometry.ZERO)
         self.engine.resetBaseVelocity(self.index, *self._velocity)
 
     def reset(
         self, linear_velocity: Vector | None = None, principal_rate: Vector | None = None
     ) -> None:
-        """Put the object at its start; its velocity stays what it was told last."""
+        """Put the object at its start; its velocity stays the one that was set last."""
         super().reset(linear_velocity, principal_rate)
         self.engine.resetBaseVelocity(self.index, *self._velocity)
 
 
 def _before_turning(way: Vector, turn: Vector) -> Vector:
-    """Return the way w for which w + turn x w is the one that is wanted.
+    """Return the displacement w for which w + turn x w is the one that is wanted.
 
     Seen in 3.2.7: the engine adds spin times velocity to the acceleration of a fixed base that
     does both, and so leads it aside by h² of that in each step.

@@ -1,4 +1,4 @@
-"""What the engine understood of an object that forces move, compared with what was planned."""
+"""Compare an object that forces move, as the engine has loaded it, with the plan."""
 
 from __future__ import annotations
 

@@ -61,9 +61,9 @@ class BulletObject:
     def reset(
         self, linear_velocity: Vector | None = None, principal_rate: Vector | None = None
     ) -> None:
-        """Put the object at its start, with other velocities if given.
+        """Put the object at its start, with these velocities if they are given.
 
-        That of its centre is in the world, the angular one along its principal axes.
+        The velocity of its centre is in the world, the angular velocity along its principal axes.
         """
         planned_object = self._object
         start = self.to_engine(planned_object.pose)
@@ -99,7 +99,7 @@ class BulletObject:
         self.engine.applyExternalTorque(self.index, -1, torque, frame)
 
     def to_engine(self, frame: Pose) -> Pose:
-        """Return what the engine takes for a pose of the object's frame: that of its axes."""
+        """Return the engine's pose, that of the principal axes, for one of the object's frame."""
         return frame.compose(self._principal_frame) if self._principal_frame else frame
 
     @property

@@ -24,7 +24,7 @@ from somo_cli.simulation.engine.bullet.last_contacts import (
 
 
 class RollingAdapter:
-    """Corrects, before a step, what stale contact points did to round links in the last.
+    """Corrects, before a step, the effect of stale contact points on round links in the last step.
 
     `rounds` are in the inertial frames of their links.
     """

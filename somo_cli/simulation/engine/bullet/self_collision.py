@@ -13,7 +13,7 @@ from somo_cli.simulation.engine.bullet.client import BulletClient
 def disable_near_collisions(
     engine: BulletClient, body: int, links: Sequence[int], chain: Chain
 ) -> None:
-    """Let only links collide that are farther apart than the body is wide, all joints at zero.
+    """Let links collide only if they are farther apart than the body is wide, all joints at zero.
 
     Nearer ones are neighbours, or overlap where hinges are rounded; they meet at the inner side of
     a bend tighter than half the width, where a soft body would be squeezed to nothing, and the

@@ -59,7 +59,7 @@ class SlidingAdapter:
         """What was applied for the last step: the links, the point, the force on the first."""
 
     def check(self, reported: Iterable[EngineContact]) -> None:
-        """Start to correct if any contact of the last step, as the engine reports it, slides."""
+        """Begin to correct if a contact of the last step slides, as the engine reports it."""
         if not self.is_active:
             self._sliding = self._sliding_points(reported)
             self.is_active = bool(self._sliding)

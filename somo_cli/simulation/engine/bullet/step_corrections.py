@@ -64,9 +64,9 @@ class StepCorrections:
             self.rolling = RollingAdapter(links, contacts, plan.time_step, ground, rounds)
 
     def before(self, step: Callable[[], object]) -> Callable[[], object]:
-        """Return the engine's step with these corrections before it; here alone they are applied.
+        """Return a function that applies the corrections and then steps the engine.
 
-        What was read of contact belongs to the step before.
+        The contacts that they read are those of the step before.
         """
         contacts = self._contacts
         corrections = (self.rolling, self.sliding, self.anisotropic)

@@ -47,7 +47,7 @@ class BulletWorld:
         self._iterations = collision_filter.MAX_ITERATIONS
 
     def __enter__(self) -> BulletWorld:
-        """Load every body. What the engine prints meanwhile is in the error, if it refuses one."""
+        """Load every body; if the engine refuses one, the error has what the engine printed."""
         with captured_output() as printed, decimal_points():
             self._client = BulletClient()
             self.contacts = LastContacts(self._client, self._plan.can_touch)
@@ -83,32 +83,32 @@ class BulletWorld:
         return self._client
 
     def contact_points(self) -> list[ContactPoint]:
-        """Return every contact point of the last step, in the engine's order, then what is ours."""
+        """Return the contact points of the last step: the engine's, then our friction."""
         return self._report.contact_points()
 
     def penetrations(self) -> list[tuple[LinkIndex, LinkIndex, float]]:
-        """Return which parts were how deep in each other in the last step; depths above 0 only."""
+        """Return each two parts that overlapped in the last step, with the depth, above 0."""
         return self._report.penetrations()
 
     def normal_forces(self) -> dict[BodyPair, float]:
-        """Return the sum of normal forces between each two bodies that pressed in the last step."""
+        """Return the sum of normal forces of each two bodies that pressed in the last step."""
         return self._report.normal_forces()
 
     def contact_reader(self) -> BulletContactReader:
-        """Return what reads the contact points that press."""
+        """Return the reader of the contact points that press."""
         return BulletContactReader(self.engine, self.contacts, self._plan, self._report.places)
 
     def adapt_solver_iterations(self) -> None:
-        """Let the solver take as many iterations as pay with what `penetrations` saw last."""
+        """Choose the solver's iterations for the contacts that `penetrations` saw last."""
         iterations = collision_filter.iteration_limit(self._report.count)
         if iterations != self._iterations:
             self._iterations = iterations
             self.engine.setPhysicsEngineParameter(numSolverIterations=iterations)
 
     def depths(self) -> dict[tuple[int, int], float]:
-        """Return how deep parts of the scene are in each other [engine units], where they are.
+        """Return the depths [engine units] of overlaps of the scene's parts at their present poses.
 
-        Parts are counted: bodies, objects, ground. A world that was asked is not to be run.
+        Parts are numbered: bodies, objects, ground. Do not step the world afterwards.
         """
         order = [body.index for body in self.bodies]
         order += [rigid_object.index for rigid_object in self.objects]
@@ -179,7 +179,7 @@ class BulletWorld:
         self._report = ContactReport(self.contacts, corrections, dict(self._places()))
 
     def _places(self) -> Iterator[tuple[EngineLinkId, LinkIndex]]:
-        """Yield every link as the engine numbers it, and as the plan does."""
+        """Yield the number of every link in the engine, and that in the plan."""
         for number, body in enumerate(self.bodies):
             for place, link in enumerate(body.links):
                 yield (body.index, link), (number, place)
