@@ -1,4 +1,4 @@
-"""Columns select_columns by patterns of their names."""
+"""Columns selected by patterns of their names."""
 
 from __future__ import annotations
 
