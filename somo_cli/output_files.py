@@ -28,18 +28,17 @@ def write_atomically(path: str, content: str | bytes) -> None:
             device.write(written)
         return
     target, mode = _resolved_target(path)
-    temporary = target.with_name(f".somo-{secrets.token_hex(8)}.tmp")
+    _remove_abandoned(target.parent)
     try:
-        stream = os.fdopen(
-            os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _NO_FOLLOW, 0o666), "wb"
-        )
+        temporary, raw = _open_temporary(target.parent)
     except OSError as error:
         raise _with_path(error, path) from error
     try:
-        with stream:
+        with os.fdopen(raw, "wb") as stream:
             stream.write(written)
             _flush_to_disk(stream)
-        _move_into_place(temporary, target, mode)
+            # renamed while locked, so that no other run takes it for abandoned
+            _move_into_place(temporary, target, mode)
     except OSError as error:
         temporary.unlink(missing_ok=True)
         raise _with_path(error, path) from error
@@ -134,6 +133,41 @@ def _resolved_target(path: str) -> tuple[Path, int | None]:
     return target, mode
 
 
+def _open_temporary(folder: Path) -> tuple[Path, int]:
+    """Return the path and the descriptor of a new file, locked as long as it is written."""
+    while True:
+        path = folder / f".somo-{secrets.token_hex(8)}.tmp"
+        raw = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _NO_FOLLOW, 0o666)
+        try:
+            # another run may have removed it as abandoned before it was locked here
+            with suppress(FileNotFoundError, BlockingIOError):
+                _lock(raw)
+                if os.path.samestat(os.fstat(raw), path.stat()):
+                    return path, raw
+        except BaseException:
+            os.close(raw)
+            path.unlink(missing_ok=True)
+            raise
+        os.close(raw)
+
+
+def _remove_abandoned(folder: Path) -> None:
+    """Remove the temporary files of runs that were killed: those that nobody has locked."""
+    if sys.platform == "win32":
+        return
+    import fcntl
+
+    for path in folder.glob(".somo-*.tmp"):
+        with suppress(OSError):
+            raw = os.open(path, os.O_WRONLY | os.O_NONBLOCK | _NO_FOLLOW)
+            try:
+                fcntl.flock(raw, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                if stat.S_ISREG(os.fstat(raw).st_mode):
+                    path.unlink()
+            finally:
+                os.close(raw)
+
+
 def _open_locked(path: Path) -> int:
     """Return a descriptor of an empty file at a path, locked against other runs.
 
@@ -163,7 +197,7 @@ def _lock(raw: int) -> None:
     try:
         fcntl.flock(raw, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError as error:
-        raise OSError(errno.EBUSY, "another run is writing this file") from error
+        raise BlockingIOError(errno.EBUSY, "another run is writing this file") from error
     except OSError:
         return  # some network file systems have no locks
 

@@ -352,3 +352,20 @@ def test_what_cannot_be_written_is_refused_and_nothing_is_made(tmp_path: Path) -
     output_files.refuse_unwritable(str(tmp_path / "a.png"))
     output_files.refuse_unwritable(os.devnull)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="files are not locked there")
+def test_what_a_killed_run_left_is_removed_and_what_another_writes_stays(tmp_path: Path) -> None:
+    import fcntl
+
+    abandoned, written = (tmp_path / f".somo-{name}.tmp" for name in ("dead", "live"))
+    for path in (abandoned, written, tmp_path / ".somo-notes", tmp_path / "a.tmp"):
+        path.write_text("kept", "utf-8")
+    (tmp_path / ".somo-link.tmp").symlink_to(tmp_path / "a.tmp")
+    (tmp_path / ".somo-folder.tmp").mkdir()
+    with written.open("a") as stream:
+        fcntl.flock(stream, fcntl.LOCK_EX)
+        write_atomically(str(tmp_path / "f"), "new")
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "f", "a.tmp", ".somo-notes", ".somo-live.tmp", ".somo-link.tmp", ".somo-folder.tmp",
+    }  # fmt: skip
