@@ -20,7 +20,8 @@ def surface_settings(surface: ContactSurface) -> Mapping[str, float]:
 
     A value of zero is left out, so that the engine's solver has no row for it.
     """
-    friction = 0.0 if surface.friction_anisotropy else surface.friction  # ours, see `friction_adapter`
+    # an anisotropic one is not the engine's, see `friction_adapter`
+    friction = 0.0 if surface.friction_anisotropy else surface.friction
     options = {
         "lateralFriction": friction,
         "spinningFriction": surface.spinning_friction,
