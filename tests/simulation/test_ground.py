@@ -177,9 +177,7 @@ def test_a_snake_wriggles_on_the_ground_alike_at_every_step() -> None:
         assert found["normal"][-5:].mean() == pytest.approx(weight * G, rel=0.02)
         assert found["z"].min() > 0.0195
         ends.append([found["x"][-1], found["y"][-1]])
-    # 0.25, 0.5, 1, 2 ms end within 4.5 mm of each other: which of many points bear a long body on
-    # hard ground, and so what friction does, is not determined
-    assert ends[0] == pytest.approx(ends[1], abs=6e-3)
+    assert ends[0] == pytest.approx(ends[1], abs=4e-3)
 
 
 def test_a_start_inside_the_ground_is_reported() -> None:

@@ -27,7 +27,6 @@ SECONDS = 30.0
 GOAL = -2.5  # m: the ball is in behind this
 CLASSIC_FRICTION = 1.0  # N m: of the joints of SoMo's arm, which has no dampers
 STEPS = (2e-3, 1e-3, 5e-4)  # s
-COARSE = 2.5e-3  # s: at which the ball is let go otherwise
 SCALES = (1, 4)  # at the first of the steps; the scene's is 2
 
 
@@ -106,7 +105,6 @@ def study(pictures: Path | None) -> None:
     print(*speeds(), sep="\n", flush=True)
     # the longest first, so that two cores are busy to the end
     settings = {f"{1e3 * step:g} ms": setting(step) for step in reversed(STEPS)}
-    settings |= {f"{1e3 * COARSE:g} ms": setting(COARSE)}
     settings |= {f"2 ms, scale {scale}": setting(STEPS[0], scale) for scale in SCALES}
     records = dict(zip(settings, recorded_all(list(settings.values())), strict=True))
     print(*table_of_runs(list(records.items()), records["0.5 ms"]), sep="\n", flush=True)

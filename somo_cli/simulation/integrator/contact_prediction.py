@@ -11,14 +11,13 @@ links that have just met: what was measured of an impact is gone in the next ste
 strike a cube at 2 ms threw it up by 1.9 mm too far where they were predicted at once, by 0.2 mm
 where they are six steps later. Two fingers that land on a block from above pressed it with 0.35 N
 in place of 7.6 N where they were predicted at once, and were thrown off where it was two steps
-later. A grasp shakes only after many steps, so it can wait. What pressed before is predicted
-without them: where a new contact had all others wait, an arm that fell on the ground was thrown off
-at 2.5 ms.
+later. A grasp shakes only after many steps, so it can wait. All points wait with the new ones:
+where those that pressed before were predicted on, without the new ones, one start of six in-hand
+runs turned the cube by 4 % more, and one hand of three diverged.
 """
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -82,12 +81,11 @@ class ContactPrediction:
         self._seen = 0  # steps in a row in which something was near
         self._known: dict[tuple[Hashable, ...], Felt] = {}
         self._keys: Sequence[Hashable] = ()  # which links press, at all points
-        self._met: dict[Hashable, int] = {}  # the step in which they met
-        self._due = 0  # the step from which the next of them are predicted
         self._felt = Felt()
         self.count = PredictionCount()
         """What was predicted so far."""
         self._felt_keys: tuple[Hashable, ...] = ()
+        self._waits = 0  # steps until a new contact is predicted
         self._contact: CoupledContact | None = None
         self._recent: dict[tuple[Hashable, ...], CoupledContact] = {}
         self._age = 0
@@ -114,14 +112,13 @@ class ContactPrediction:
         if keys is None:
             self._seen, self._keys, self._felt, self._contact = 0, (), Felt(), None
             self._felt_keys = ()
-            self._met = {}
             return False
         self._seen += 1
         for observe in self._observers:
             observe()
         if self._seen < 2:
             return False
-        if keys != self._keys or self.count.steps >= self._due:
+        if keys != self._keys:
             self._follow(keys)
         felt, count = self._felt, self.count
         if not felt.points:
@@ -133,6 +130,9 @@ class ContactPrediction:
             self._note_unpredicted()
             self._contact = None
             return False
+        if self._waits:
+            self._waits -= 1
+            return False
         return True
 
     def _note_unpredicted(self) -> None:
@@ -141,37 +141,23 @@ class ContactPrediction:
 
     def _follow(self, keys: Sequence[Hashable]) -> None:
         """Find which of the points that press now are felt; the contact stays if they are known."""
-        kept = self._find_established(keys)
-        known = (*keys, kept)
-        felt = self._known.get(known)
+        felt = self._known.get(tuple(keys))
         if felt is None:
             if len(self._known) >= MOST_KNOWN:
                 self._known.clear()
-            felt = self._known[known] = self._find_felt(kept)
+            felt = self._known[tuple(keys)] = self._find_felt()
         before = self._felt_keys
         self._felt_keys = tuple(keys[index] for index in felt.points)
+        if not set(before).issuperset(self._felt_keys):
+            self._waits = IMPACT_STEPS
         if before != self._felt_keys:
             self._contact, self._age = self._recent.get(self._felt_keys), STEPS_KEPT
         self._keys, self._felt = keys, felt
         self._reader.follow(felt.points)
 
-    def _find_established(self, keys: Sequence[Hashable]) -> tuple[int, ...]:
-        """Return the points of links that have not just met, and note when the next ones join."""
-        now = self.count.steps
-        self._met = {key: self._met.get(key, now) for key in keys}
-        self._due = min(
-            (step + IMPACT_STEPS for step in self._met.values() if now < step + IMPACT_STEPS),
-            default=sys.maxsize,
-        )
-        return tuple(
-            index for index, key in enumerate(keys) if now >= self._met[key] + IMPACT_STEPS
-        )
-
-    def _find_felt(self, kept: Sequence[int]) -> Felt:
-        """Return what is felt of some of the points that press."""
+    def _find_felt(self) -> Felt:
         pairs = self._reader.pairs()
-        found, parts = connected([pairs[index] for index in kept], self._parts)
-        points = [kept[index] for index in found]
+        points, parts = connected(pairs, self._parts)
         frictions = [self._reader.pair(pairs[index]).friction for index in points]
         return Felt(points, parts, sum(3 if friction > 0 else 1 for friction in frictions))
 

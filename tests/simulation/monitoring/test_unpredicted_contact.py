@@ -66,7 +66,7 @@ def prediction_of(output: Path) -> dict[str, int]:
 def test_a_run_with_more_points_than_are_predicted_says_so(somo: Somo, tmp_path: Path) -> None:
     pytest.importorskip("pybullet")
     output = tmp_path / "rows.csv"
-    ended = somo("run", CRAWLER, "--steps", "18", "-q", "-o", str(output), "--set", ISOTROPIC)
+    ended = somo("run", CRAWLER, "--steps", "12", "-q", "-o", str(output), "--set", ISOTROPIC)
     assert ended.returncode == 0, ended.stderr
     assert ended.stderr.startswith("somo: warning: contact forces were not predicted in ")
     assert "[contact-unpredicted]" in ended.stderr
@@ -80,6 +80,6 @@ def test_as_many_points_without_friction_are_predicted(somo: Somo, tmp_path: Pat
     """Friction that depends on the direction is ours: to the engine the points have none."""
     pytest.importorskip("pybullet")
     output = tmp_path / "rows.csv"
-    ended = somo("run", CRAWLER, "--steps", "18", "-q", "-o", str(output))
+    ended = somo("run", CRAWLER, "--steps", "12", "-q", "-o", str(output))
     assert (ended.returncode, ended.stderr) == (0, "")
     assert prediction_of(output)["steps_with_too_many_points"] == 0
