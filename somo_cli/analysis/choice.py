@@ -9,12 +9,18 @@ from somo_cli.analysis.study_model import Discretization, Study, StudyCase
 
 @dataclass(frozen=True, slots=True)
 class RatedCase:
-    """A case and its tip errors relative to the length: of the solver, and of the chain model."""
+    """A case and its errors: of the solver, and of the chain model at the tip over the length.
+
+    `tip` is the solver's error of the tip over the length. `solver` is the same, but where a scene
+    with contact or objects records columns the largest error of those over their ranges: a tip
+    within 1 % says nothing of an object that was dropped.
+    """
 
     case: StudyCase
     discretization: Discretization
     solver: float
     model: float | None
+    tip: float
 
     @property
     def larger_error(self) -> float:
@@ -38,9 +44,25 @@ def rated_cases(study: Study) -> tuple[RatedCase, ...]:
             model = (study.model_error if known is None else known.maximum) / discretization.length
         error = case.errors["tip_position"]
         least = discretization.reference.error["tip_position"]
-        solver = (least if error is None else error.maximum) / discretization.length
-        found.append(RatedCase(case, discretization, solver, model))
+        tip = (least if error is None else error.maximum) / discretization.length
+        solver = _recorded_error(case, discretization)
+        found.append(RatedCase(case, discretization, tip if solver is None else solver, model, tip))
     return tuple(sorted(found, key=lambda one: one.case.run_time))
+
+
+def _recorded_error(case: StudyCase, discretization: Discretization) -> float | None:
+    """Return the worst error of what the scene records; not below that of the reference."""
+    own, reference = case.recorded, discretization.recorded
+    if own is None or reference is None or own.worst is None:
+        return None
+    return max(own.relative, reference.relative)
+
+
+def is_judged_by_recorded(study: Study) -> bool:
+    """Whether cases are judged by all that the scene records, and not by the tip alone."""
+    return any(
+        _recorded_error(one.case, one.discretization) is not None for one in rated_cases(study)
+    )
 
 
 def cheapest(study: Study, target: float) -> RatedCase | None:

@@ -126,6 +126,11 @@ def errors_of_finer_run(
     return _errors(plan, found, order, unknown, lambda seen: seen.share_of_finer)
 
 
+def distances(plan: Plan, found: Differences) -> tuple[ColumnError, ...]:
+    """Return the plain distances of a run from one that is so fine that it counts as right."""
+    return _errors(plan, found, None, ObservedOrder(math.nan, 1), lambda seen: 1.0)
+
+
 def _errors(
     plan: Plan,
     found: Differences,

@@ -40,10 +40,13 @@ def error_profiles(plan: Plan, rows: Array, reference: Array) -> dict[Quantity, 
     `rows` and `reference`, shape (rows, columns), are recorded at the same instants. The error of a
     position or a pose is a distance [m], that of energy is of the sum of its forms [J], that of an
     orientation is the distance of unit quaternions, half the angle if that is small. For other
-    quantities it is the largest absolute difference.
+    quantities it is the largest absolute difference. Contact forces are left out: their values at
+    an instant do not converge, their impulses do (`recorded_errors`).
     """
     found: dict[Quantity, Array] = {}
     for group in columns.body_column_groups(plan.recorded):
+        if "contacts" in group.columns.needs:
+            continue
         part = slice(group.first, group.last)
         error = _error_profile(group.quantity, rows[:, part], reference[:, part])
         found[group.quantity] = np.maximum(found.get(group.quantity, 0.0), error)

@@ -88,7 +88,8 @@ def extrapolate(plan: Plan, levels: Sequence[Array], ratio: float) -> Extrapolat
         for quantity in after
     }
     factor, apart = np.zeros((2, third.shape[1]))
-    for group in columns.body_column_groups(plan.recorded):
+    groups = [one for one in columns.body_column_groups(plan.recorded) if one.quantity in seen]
+    for group in groups:
         part = slice(group.first, group.last)
         order = seen[group.quantity]
         if PLAUSIBLE_ORDERS[0] <= order <= PLAUSIBLE_ORDERS[1]:
@@ -103,7 +104,7 @@ def extrapolate(plan: Plan, levels: Sequence[Array], ratio: float) -> Extrapolat
     by_order = error_profiles(plan, rows, rows + apart * (third - second))
     error: dict[Quantity, float] = {}
     final_error: dict[Quantity, float] = {}
-    for group in columns.body_column_groups(plan.recorded):
+    for group in groups:
         size = np.abs(third[:, group.first : group.last]).max(initial=0.0)
         profile = np.maximum(by_pairs[group.quantity], by_order[group.quantity])
         least = ROUNDING * float(size)

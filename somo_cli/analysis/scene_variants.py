@@ -7,8 +7,9 @@ import dataclasses
 from somo_cli.manipulator import geometry, resegmentation
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.compile import Compiled
-from somo_cli.scene.columns import body_column_groups
+from somo_cli.scene.columns import body_column_groups, header, object_column_groups
 from somo_cli.scene.model import ExternalLoad, Integrator, Manipulator, Quantity, Scene
+from somo_cli.scene.rigid_object import ObjectQuantity
 from somo_cli.simulation.plan.build import make_plan
 
 ALWAYS_COMPARED: tuple[Quantity, ...] = ("tip_position", "joint_angles", "energy")
@@ -18,15 +19,34 @@ ALWAYS_COMPARED: tuple[Quantity, ...] = ("tip_position", "joint_angles", "energy
 def study_variant(scene: Scene) -> Scene:
     """Return the scene with the recorded quantities that a study compares, and no stop conditions.
 
-    They are ALWAYS_COMPARED, and every quantity of manipulators of which the scene records a
-    column, each with all its columns. Variants that stop at different instants could not be
-    compared.
+    They are ALWAYS_COMPARED, the poses of objects, the forces of all pairs that can touch, and
+    every quantity of which the scene records a column, each with all its columns. Variants that
+    stop at different instants could not be compared.
     """
-    picked = (group.quantity for group in body_column_groups(make_plan(scene).recorded))
-    columns = tuple(dict.fromkeys((*ALWAYS_COMPARED, *picked)))
+    plan = make_plan(scene)
+    picked = (group.quantity for group in body_column_groups(plan.recorded))
+    picked_of_objects = (group.quantity for group in object_column_groups(plan.recorded))
+    pairs: tuple[Quantity, ...] = ("contact_pairs",) if plan.can_touch else ()
+    pairs_of_objects: tuple[ObjectQuantity, ...] = ("contact_pairs",) if plan.can_touch else ()
+    of_objects = dict.fromkeys(("pose", *pairs_of_objects, *picked_of_objects))
     return dataclasses.replace(
-        scene, columns=columns, object_quantities=(), only=(), stop_conditions=()
+        scene,
+        columns=tuple(dict.fromkeys((*ALWAYS_COMPARED, *pairs, *picked))),
+        object_quantities=tuple(of_objects) if plan.objects else (),
+        only=(),
+        stop_conditions=(),
     )
+
+
+def recorded_names(variant: Scene, scene: Scene) -> frozenset[str]:
+    """Return the names of the columns that a variant has if it records what the scene does."""
+    own = dataclasses.replace(
+        variant,
+        columns=scene.columns,
+        object_quantities=scene.object_quantities,
+        only=scene.only,
+    )
+    return frozenset(header(make_plan(own).recorded)[1:])
 
 
 def with_time_step(scene: Scene, integrator: Integrator, time_step: float, every: int) -> Scene:

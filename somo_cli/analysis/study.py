@@ -31,14 +31,14 @@ def study(
     Raises SimulationDiverged and EngineRefused if a reference cannot be computed, and
     `resegmentation.NotUniform` if actuators cannot be divided into other numbers of segments.
     """
-    scene = scene_variants.study_variant(scene)
+    own, scene = scene, scene_variants.study_variant(scene)
     executor = StudyExecutor(settings, open_world, clock, advance)
     scenes = [
         scene if count is None else scene_variants.with_segments(scene, count)
         for count in settings.segments
     ]
     discretizations = [
-        executor.discretization(one, count)
+        executor.discretization(one, count, scene_variants.recorded_names(one, own))
         for one, count in zip(scenes, settings.segments, strict=True)
     ]
     cases = [

@@ -10,7 +10,8 @@ import numpy as np
 
 from somo_cli.analysis import closed_form_references, recorded_run, scene_variants
 from somo_cli.analysis.errors import ErrorSummary, error_profiles, summarize_errors
-from somo_cli.analysis.recorded_run import Clock, OpenWorld
+from somo_cli.analysis.recorded_errors import case_errors, reference_errors
+from somo_cli.analysis.recorded_run import Clock, OpenWorld, RecordedRun, record_run
 from somo_cli.analysis.reference import converged_reference
 from somo_cli.analysis.study_model import Discretization, StudyCase, StudySettings
 from somo_cli.arrays import Array
@@ -18,6 +19,7 @@ from somo_cli.problems import EngineRefused, SimulationDiverged
 from somo_cli.scene import columns
 from somo_cli.scene.model import Integrator, Scene
 from somo_cli.simulation.plan.build import make_plan
+from somo_cli.simulation.plan.model import Plan
 
 ProgressCallback = Callable[[int], None]
 """Receives the number of time steps done so far."""
@@ -38,19 +40,32 @@ class StudyExecutor:
         self._clock = clock
         self._advance = advance
         self._done = 0
+        self._finest: dict[int | None, Array] = {}
+        self._recorded_names: dict[int | None, frozenset[str]] = {}
 
-    def discretization(self, scene: Scene, count: int | None) -> Discretization:
+    def discretization(
+        self, scene: Scene, count: int | None, recorded_names: frozenset[str]
+    ) -> Discretization:
         """Return a scene with its reference: a closed form, or the limit of runs with small steps.
 
-        Raises SimulationDiverged and EngineRefused.
+        `recorded_names` are the columns that the scene itself records. Raises SimulationDiverged
+        and EngineRefused.
         """
         plan = make_plan(scene)
         smallest = min(self._settings.time_steps)
+        runs: list[RecordedRun] = []
 
         def recorded(time_step: float) -> Array:
-            return self._recorded(scene, "implicit", time_step)
+            runs.append(self._recorded(scene, "implicit", time_step))
+            return runs[-1].rows
 
         reference = converged_reference(plan, smallest / 2, recorded)
+        errors = None
+        if _has_more_than_tips(plan):
+            levels = [one.rows for one in runs[-3:]]
+            errors = reference_errors(plan, levels, recorded_names, runs[-1].events)
+            self._finest[count] = runs[-1].rows
+            self._recorded_names[count] = recorded_names
         reference = closed_form_references.with_closed_form(scene, reference)
         energies = [
             group
@@ -65,6 +80,7 @@ class StudyExecutor:
             reference=reference,
             length=max(chain.length for chain in chains),
             energy=float(max(spans)),
+            recorded=errors,
         )
 
     def cases(
@@ -89,7 +105,7 @@ class StudyExecutor:
         plan = make_plan(scene_variants.with_time_step(scene, integrator, time_step, every))
         repeats = self._settings.repeats
         try:
-            rows = self._recorded(scene, integrator, time_step)
+            found = self._recorded(scene, integrator, time_step)
             run_time = recorded_run.median_run_time(
                 plan, steps, self._open_world, self._clock, repeats
             )
@@ -102,23 +118,33 @@ class StudyExecutor:
         reference = discretization.reference
         errors = {
             quantity: _resolved_error(profile, reference.error[quantity])
-            for quantity, profile in error_profiles(plan, rows, reference.rows).items()
+            for quantity, profile in error_profiles(plan, found.rows, reference.rows).items()
         }
-        return dataclasses.replace(case, run_time=run_time, errors=errors)
+        recorded = None
+        if discretization.recorded is not None:
+            finest = self._finest[case.segments]
+            names = self._recorded_names[case.segments]
+            recorded = case_errors(plan, found.rows, finest, names, found.events)
+        return dataclasses.replace(case, run_time=run_time, errors=errors, recorded=recorded)
 
-    def _recorded(self, scene: Scene, integrator: Integrator, time_step: float) -> Array:
+    def _recorded(self, scene: Scene, integrator: Integrator, time_step: float) -> RecordedRun:
         instants = self._settings.instants
         # the reference takes fractions of the smallest step, so it meets the instants too
         every = instants.steps_between(time_step)
         plan = make_plan(scene_variants.with_time_step(scene, integrator, time_step, every))
         try:
-            return recorded_run.record_rows(plan, instants.count * every, self._open_world)
+            return record_run(plan, instants.count * every, self._open_world)
         finally:
             self._count(instants.count * every)
 
     def _count(self, steps: int) -> None:
         self._done += steps
         self._advance(self._done)
+
+
+def _has_more_than_tips(plan: Plan) -> bool:
+    """Whether there is contact or an object, of which tips and angles say nothing."""
+    return plan.can_touch or bool(plan.objects)
 
 
 def _resolved_error(profile: Array, least: float) -> ErrorSummary | None:

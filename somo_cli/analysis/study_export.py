@@ -7,8 +7,10 @@ import io
 import math
 from collections.abc import Iterator, Sequence
 
-from somo_cli.analysis.choice import balanced, cheapest
+from somo_cli.analysis.choice import balanced, cheapest, is_judged_by_recorded
+from somo_cli.analysis.error_report import plain_columns
 from somo_cli.analysis.errors import UNITS, ErrorSummary
+from somo_cli.analysis.recorded_errors import RecordedErrors
 from somo_cli.analysis.study_model import Discretization, Study, StudyCase
 from somo_cli.analysis.study_report import final_max_rms, recommendation
 from somo_cli.scene.model import Quantity
@@ -32,6 +34,7 @@ def _csv_rows(study: Study) -> Iterator[Sequence[object]]:
         "segments", "joints", "integrator", "time_step_s", "steps", "status", "run_time_s",
         "steps_per_second", "real_time_factor", "order", "tip_max_relative", "model_error_m",
         *names,
+        *_recorded_names(study),
     ]  # fmt: skip
     by_segments = {one.segments: one for one in study.discretizations}
     for case in study.cases:
@@ -58,6 +61,29 @@ def _csv_cells(
     for quantity in quantities:
         yield from final_max_rms(case.errors.get(quantity))
         yield discretization.reference.error[quantity]
+    yield from _recorded_cells(case, discretization)
+
+
+def _recorded_names(study: Study) -> Iterator[str]:
+    """Yield the names of the columns on contact and objects; none without these."""
+    found = study.discretizations[0].recorded
+    if found is None:
+        return
+    yield from ("contact_events", "worst_column", "worst_relative")
+    yield from (f"{one}-{other}_mean_normal_n" for one, other in found.forces)
+
+
+def _recorded_cells(case: StudyCase, discretization: Discretization) -> Iterator[object]:
+    if discretization.recorded is None:
+        return
+    if case.recorded is None:
+        yield from [None] * (3 + len(discretization.recorded.forces))
+        return
+    worst = case.recorded.worst
+    yield case.recorded.events
+    yield None if worst is None else worst.name
+    yield None if worst is None else worst.relative
+    yield from case.recorded.forces.values()
 
 
 def _empty_if_unknown(cell: object) -> object:
@@ -80,6 +106,7 @@ def plain_data(study: Study, target: float) -> dict[str, object]:
     return {
         "choice": recommendation(study, target),
         "target_relative_tip_error": target,
+        "is_judged_by_recorded": is_judged_by_recorded(study),
         "chosen": None if best is None else _settings_as_json(best.case),
         "balanced": [
             {
@@ -123,6 +150,7 @@ def _discretization_as_json(discretization: Discretization) -> dict[str, object]
         "model_error_m": None
         if discretization.model is None
         else _error_as_json(discretization.model),
+        **_recorded_as_json(discretization.recorded),
     }
 
 
@@ -138,6 +166,24 @@ def _case_as_json(case: StudyCase) -> dict[str, object]:
             quantity: None if error is None else {"unit": UNITS[quantity], **_error_as_json(error)}
             for quantity, error in case.errors.items()
         },
+        **_recorded_as_json(case.recorded),
+    }
+
+
+def _recorded_as_json(found: RecordedErrors | None) -> dict[str, object]:
+    """Return the worst column of each kind, mean normal forces and events, if there are any."""
+    if found is None:
+        return {}
+    return {
+        "recorded": {
+            "contact_events": found.events,
+            "mean_normal_force_n": {
+                f"{one}-{other}": n for (one, other), n in found.forces.items()
+            },
+            "worst": None if found.worst is None else found.worst.name,
+            "worst_relative": found.relative,
+            "columns": plain_columns(found.by_family),
+        }
     }
 
 

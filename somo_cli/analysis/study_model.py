@@ -9,6 +9,7 @@ from typing import Literal
 
 from somo_cli.analysis.common_instants import Instants
 from somo_cli.analysis.errors import ErrorSummary
+from somo_cli.analysis.recorded_errors import RecordedErrors
 from somo_cli.analysis.reference import Reference
 from somo_cli.scene.model import Integrator, Quantity, Scene
 
@@ -34,7 +35,8 @@ class StudyCase:
     """One run: the errors of its time stepping, and its run time [s].
 
     An error is None where it is smaller than that of the reference. `order` is the order of
-    convergence: of the largest tip error, from the next larger step to this one.
+    convergence: of the largest tip error, from the next larger step to this one. `recorded` are the
+    errors of all that is recorded, where the scene has contact or objects.
     """
 
     segments: int | None
@@ -46,6 +48,7 @@ class StudyCase:
     run_time: float = math.nan
     errors: dict[Quantity, ErrorSummary | None] = dataclasses.field(default_factory=dict)
     order: float = math.nan
+    recorded: RecordedErrors | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +65,8 @@ class Discretization:
     length: float
     energy: float
     model: ErrorSummary | None = None
+    recorded: RecordedErrors | None = None
+    """What the reference is off by, where the scene has contact or objects."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,8 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from somo_cli.analysis.choice import RatedCase, balanced, cheapest, most_accurate
+from somo_cli.analysis.choice import (
+    RatedCase,
+    balanced,
+    cheapest,
+    is_judged_by_recorded,
+    most_accurate,
+)
 from somo_cli.analysis.errors import ErrorSummary
+from somo_cli.analysis.recorded_report import recorded_remarks
 from somo_cli.analysis.study_model import Discretization, Study, StudyCase
 from somo_cli.analysis.text_table import table_lines
 
@@ -86,23 +93,41 @@ def remarks(study: Study, target: float) -> list[str]:
             f"balanced: {_settings(one.case, one.discretization)}: solver {_percent(one.solver)}, "
             f"model {_percent(one.model or 0.0)}"
         )
-    sentences.append(recommendation(study, target))
-    return sentences
+    return [*sentences, *recorded_remarks(study), recommendation(study, target)]
 
 
 def recommendation(study: Study, target: float) -> str:
-    """Return the sentence that recommends a case for a target error relative to the length."""
+    """Return the sentence that recommends a case for a target error.
+
+    It is that of the tip relative to the length or, where a scene with contact or objects records
+    columns, the worst error of those relative to their ranges.
+    """
     best = cheapest(study, target)
-    goal = f"{_percent(target)} tip error"
+    by_recorded = is_judged_by_recorded(study)
+    goal = (
+        f"{_percent(target)} error of all that is recorded"
+        if by_recorded
+        else (f"{_percent(target)} tip error")
+    )
     if best is not None:
-        return f"for {goal} use {_settings(best.case, best.discretization)}: {_speed(best)}"
+        worst = _worst(best) if by_recorded else ""
+        return f"for {goal} use {_settings(best.case, best.discretization)}: {_speed(best)}{worst}"
     close = most_accurate(study)
     if close is None:
         return f"no case completed, so none has {goal}: try smaller steps"
     return (
         f"no case has {goal}: the best is {_settings(close.case, close.discretization)} with "
-        f"{_percent(close.larger_error)}"
+        f"{_percent(close.larger_error)}{_worst(close) if by_recorded else ''}"
     )
+
+
+def _worst(one: RatedCase) -> str:
+    """Return the name of the column with the worst error of a case."""
+    found = max(
+        (found for found in (one.case.recorded, one.discretization.recorded) if found is not None),
+        key=lambda found: found.relative,
+    )
+    return "" if found.worst is None else f" (worst: {found.worst.name})"
 
 
 def _settings(case: StudyCase, discretization: Discretization) -> str:

@@ -62,7 +62,11 @@ def report(
     ] = None,
     target: Annotated[
         float,
-        typer.Option("--target", help="Target of the tip error, relative to the length."),
+        typer.Option(
+            "--target",
+            help="Target of the tip error, relative to the length; with contact or objects, "
+            "of the errors of all that it records, over their ranges.",
+        ),
     ] = 0.01,
     repeats: Annotated[
         int, typer.Option("--repeats", min=1, help="Number of runs for the median run time.")
@@ -86,10 +90,13 @@ def report(
 
     The table on standard output ends with a recommendation. Errors of positions, angles and energy
     are against the limit of the scene for vanishing time steps, or against the closed form that the
-    scene names. Run times are those of the stepping loop alone.
+    scene names. Scenes with contact or objects have a second table: contact events, poses of
+    objects, mean normal forces of pairs, and the worst of what the scene records, by which the step
+    is then recommended. Run times are those of the stepping loop alone.
     """
     from somo_cli import loading
     from somo_cli.analysis import closed_form_references, study_export, study_report
+    from somo_cli.analysis.recorded_report import recorded_table
     from somo_cli.analysis.study import total_steps
     from somo_cli.analysis.study_model import StudySettings
     from somo_cli.simulation.metadata import provenance
@@ -126,6 +133,8 @@ def report(
         output_files.write_atomically(str(folder / f"report.{kind}"), picture)
     typer.echo(study_report.table(study))
     typer.echo("")
+    if contact := recorded_table(study):
+        typer.echo(f"{contact}\n")
     for remark in study_report.remarks(study, target):
         typer.echo(remark)
     if not quiet:

@@ -39,13 +39,13 @@ def _figure(study: Study, title: str) -> Any:
     figure = Figure(figsize=(7.5, 5.0), layout="constrained")
     axes = figure.add_subplot()
     for number, (name, curve) in enumerate(_curves(study).items()):
-        times, errors = zip(*((one.case.run_time, one.solver) for one in curve), strict=True)
+        times, errors = zip(*((one.case.run_time, one.tip) for one in curve), strict=True)
         axes.loglog(times, errors, marker=MARKERS[number % len(MARKERS)], label=name)
         # curves of other numbers of segments are close, so that their labels would overlap
         for one in curve if curve[0].discretization is study.discretizations[0] else ():
             axes.annotate(
                 f"{1e3 * one.case.time_step:.3g} ms",
-                (one.case.run_time, one.solver),
+                (one.case.run_time, one.tip),
                 textcoords="offset points",
                 xytext=(6, 4),
                 fontsize=7,

@@ -14,8 +14,15 @@ def test_a_study_records_what_it_compares_and_what_the_scene_picks() -> None:
         "push_scene.yaml", f"record={record}", "stop=[{time: 1}, {at_rest: {}}]"
     )
     found = study_variant(scene)
-    assert found.columns == ("tip_position", "joint_angles", "energy", "curvatures")
-    assert (found.object_quantities, found.only, found.stop_conditions) == ((), (), ())
+    assert set(found.columns) == {
+        "tip_position",
+        "joint_angles",
+        "energy",
+        "curvatures",
+        "contact_pairs",
+    }
+    assert found.object_quantities[:2] == ("pose", "contact_pairs")
+    assert (found.only, found.stop_conditions) == ((), ())
 
 
 def test_a_study_of_a_scene_without_patterns() -> None:
