@@ -19,6 +19,7 @@ from somo_cli.problems import LINE_BREAK, MAX_TEXT_BYTES, InvalidFile, Problem, 
 
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:")
 _STREAMS = ("/dev/stdin", "/dev/stdout", "/dev/stderr", "/dev/fd/", "/proc/")
+_BLOCK = 1 << 20  # bytes
 MAX_WAIT = 5.0  # s for the writer of a pipe
 
 
@@ -145,12 +146,24 @@ def _opened(path: Path, source: str) -> BinaryIO:
     return os.fdopen(descriptor, "rb")
 
 
+def _bytes_of(stream: BinaryIO, source: str, largest: int, is_binary: bool) -> bytes:
+    """Return at most `largest` bytes, read in blocks: what is no text may have no end."""
+    blocks = []
+    size = 0
+    while block := stream.read(_BLOCK):
+        size += len(block)
+        if size > largest:
+            message = f"the file is larger than {largest} bytes"
+            raise InvalidFile([Problem(Span(source, 1, 1), message)])
+        if not is_binary and len(block) == _BLOCK and b"\0" in block:
+            raise InvalidFile([Problem(Span(source, 1, 1), "this is no text: it has zero bytes")])
+        blocks.append(block)
+    return b"".join(blocks)
+
+
 def _read(path: Path, source: str, largest: int = MAX_TEXT_BYTES, is_binary: bool = False) -> str:
     with _opened(path, source) as stream:
-        content = stream.read(largest + 1)
-    start = Span(source, 1, 1)
-    if len(content) > largest:
-        raise InvalidFile([Problem(start, f"the file is larger than {largest} bytes")])
+        content = _bytes_of(stream, source, largest, is_binary)
     if is_binary:
         return content.decode("utf-8", "surrogateescape")
     try:

@@ -182,3 +182,9 @@ def test_a_path_as_another_file_would_name_it(
     monkeypatch.chdir(tmp_path)
     assert files.relative_path(path, other) == named
     assert files.relative_path(str(tmp_path / path), other) == named
+
+
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="there is no /dev/zero")
+def test_what_has_no_end_is_read_in_part_only() -> None:
+    with pytest.raises(InvalidFile, match="this is no text: it has zero bytes"):
+        read_text("/dev/zero", 10**15)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import itertools
+import math
 from collections.abc import Sequence
 
 from somo_cli.manipulator import geometry
@@ -46,11 +46,33 @@ def can_overlap_at_start(scene: Scene) -> bool:
         not has_prescribed_pose and box[2][0] < ground.height for box, has_prescribed_pose in boxes
     ):
         return True
-    return any(
-        _boxes_intersect(one, other)
-        for (one, is_prescribed), (other, is_other_prescribed) in itertools.combinations(boxes, 2)
-        if not (is_prescribed and is_other_prescribed)
-    )
+    return _do_any_intersect(boxes)
+
+
+def _do_any_intersect(boxes: Sequence[tuple[BoundingBox, bool]]) -> bool:
+    """Return whether two boxes intersect that are not both of bodies with a prescribed pose.
+
+    Only boxes that intersect along the axis on which the boxes lie farthest apart are compared.
+    """
+    solid = [one for one in boxes if not math.isnan(one[0][0][0])]
+    if not solid:
+        return False
+    spreads = [
+        max(box[axis][0] for box, _ in solid) - min(box[axis][0] for box, _ in solid)
+        for axis in range(3)
+    ]
+    axis = spreads.index(max(spreads))
+    near: list[tuple[BoundingBox, bool]] = []
+    for box, is_prescribed in sorted(solid, key=lambda one: one[0][axis][0]):
+        near = [one for one in near if one[0][axis][1] > box[axis][0]]
+        if any(
+            _boxes_intersect(box, other)
+            for other, is_other_prescribed in near
+            if not (is_prescribed and is_other_prescribed)
+        ):
+            return True
+        near.append((box, is_prescribed))
+    return False
 
 
 def bounding_box(chain: Chain, angles: Sequence[float], base: Pose) -> BoundingBox:

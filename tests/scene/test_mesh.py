@@ -139,3 +139,11 @@ def test_more_vertices_than_the_engine_is_given() -> None:
     faces = [(n, n + 1, n + 2) for n in range(len(ball) - 2)]
     with pytest.raises(MeshError, match="its hull has 10010 vertices; at most 10000 are allowed"):
         mesh_properties(obj(ball, faces), "a.obj")
+
+
+def test_an_obj_has_a_bounded_number_of_parts() -> None:
+    text = "v 0 0 0\n" + "".join(f"o part{index}\n g group\n" for index in range(501))
+    with pytest.raises(MeshError, match="it has 1002 named parts; at most 1000 are allowed"):
+        mesh_properties(text, "a.obj")
+    with pytest.raises(MeshError, match="it has no faces"):
+        mesh_properties(text.replace(" g group", "vg 1 1 1", 2), "a.obj")

@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+import itertools
 import json
+import math
+import random
+import time
 from typing import Any
 
 import pytest
 
 from somo_cli.manipulator.kinematics import Pose
-from somo_cli.scene.proximity import bounding_box, can_overlap_at_start
+from somo_cli.scene.proximity import (
+    BoundingBox,
+    _boxes_intersect,
+    _do_any_intersect,
+    bounding_box,
+    can_overlap_at_start,
+)
 from somo_cli.scene.rigid_object import read_object
 from tests.builders.definitions import Data, X, actuator, manipulator
 from tests.builders.scenes import scene_from_text
@@ -78,3 +88,36 @@ def test_a_bent_chain_is_where_it_is_bent_to() -> None:
     assert bent[0] == pytest.approx(straight[0])
     assert bent[1][1] > 0.03
     assert bent[2][1] < chain.length
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_many_bodies_in_a_row_are_compared_with_their_neighbours_only(axis: int) -> None:
+    def boxes(last: float) -> list[tuple[BoundingBox, bool]]:
+        places = [*map(float, range(5000)), last]
+        ranges = [
+            [(-0.4, 0.4)] * axis + [(x - 0.4, x + 0.4)] + [(-0.4, 0.4)] * (2 - axis) for x in places
+        ]
+        return [(tuple(one), False) for one in ranges]
+
+    started = time.process_time()
+    assert not _do_any_intersect(boxes(5000.0))
+    assert _do_any_intersect(boxes(2500.7))
+    assert time.process_time() - started < 1.0  # s; all pairs take ten
+
+
+def test_boxes_intersect_as_each_pair_does() -> None:
+    chance = random.Random(5)
+    for _ in range(300):
+        boxes: list[tuple[BoundingBox, bool]] = []
+        for _ in range(chance.randint(0, 7)):
+            lows = [chance.uniform(0, 3) for _ in range(3)]
+            box = tuple((low, low + chance.uniform(0, 1)) for low in lows)
+            boxes.append((box, chance.random() < 0.5))
+        boxes.append((((math.nan, math.nan),) * 3, False))  # without a shape
+        chance.shuffle(boxes)
+        every = any(
+            _boxes_intersect(one, other)
+            for (one, is_held), (other, is_other_held) in itertools.combinations(boxes, 2)
+            if not (is_held and is_other_held)
+        )
+        assert _do_any_intersect(boxes) == every

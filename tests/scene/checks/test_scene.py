@@ -339,3 +339,10 @@ def test_each_definition_is_compiled_once(monkeypatch: pytest.MonkeyPatch) -> No
     scene, _ = loading.scene_of(document)
     assert built == [one.compiled.definition.name for one in scene.manipulators]
     assert len(built) == 4
+
+
+def test_a_scene_has_a_bounded_number_of_bodies() -> None:
+    ball = {"shape_type": "sphere", "dimensions": [0.1], "mass": 1}
+    balls = [{**ball, "name": f"ball_{index}"} for index in range(1001)]
+    found = texts_and_messages({"objects": balls})
+    assert [message for _, message in found] == ["expected at most 1000 values, found 1001"]
