@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+
+import numpy as np
 
 from somo_cli.analysis.column_families import column_families
 from somo_cli.analysis.column_scales import scales
 from somo_cli.analysis.level_comparison import Differences, LevelRows, OrderAccumulator, compare
 from somo_cli.analysis.observed_order import ObservedOrder, observed_order
 from somo_cli.analysis.spooled_run import LevelRunner, ReadRows, SpooledRun
+from somo_cli.arrays import Array
 from somo_cli.problems import SimulationDiverged
 from somo_cli.scene import columns
 from somo_cli.scene.model import Integrator
@@ -26,8 +29,7 @@ class ColumnError:
     """The estimated error of one column, in its unit.
 
     `final`, `maximum` and `rms` are of the values at the rows. `judged` is by the measure of the
-    column's family, and `relative` is that over `scale`. `ends` are the last values of the run and
-    of the finer one.
+    column's family, and `relative` is that over `scale`.
     """
 
     name: str
@@ -39,7 +41,6 @@ class ColumnError:
     judged: float
     scale: float
     order: ObservedOrder
-    ends: tuple[float, float]
 
     @property
     def relative(self) -> float:
@@ -52,7 +53,9 @@ class ErrorEstimate:
     """The estimated error of every column but the time, and what the other runs took [s].
 
     The errors are those of the run at `time_step` [s], and none if only its start was recorded;
-    `others` are the steps of the runs that it was compared with.
+    `others` are the steps of the runs that it was compared with. `levels` are the steps of three
+    runs, coarse to fine, and `ends` their values at the last common instant, shape (3, columns);
+    there are neither if there were two runs.
     """
 
     time_step: float
@@ -60,6 +63,8 @@ class ErrorEstimate:
     order: int
     errors: tuple[ColumnError, ...]
     run_time: float
+    levels: tuple[float, ...] = ()
+    ends: Array = field(default_factory=lambda: np.empty((0, 0)))
 
 
 def estimate(
@@ -106,7 +111,11 @@ def estimate(
     if found is not None:
         errors = errors_of_run(plan, found, order, ObservedOrder(math.nan, nominal))
     others = tuple(plan.time_step / factor for factor in factors)
-    return ErrorEstimate(plan.time_step, others, nominal, errors, runner.run_time)
+    base = ErrorEstimate(plan.time_step, others, nominal, errors, runner.run_time)
+    if order is None or not len(order.ends):
+        return base
+    by_size = tuple(sorted((plan.time_step, *others), reverse=True))
+    return replace(base, levels=by_size, ends=order.ends)
 
 
 def errors_of_run(
@@ -158,7 +167,6 @@ def _errors(
                 judged=factor * float(found.judged[at]),
                 scale=scale,
                 order=seen,
-                ends=(float(found.ends[0][at]), float(found.ends[1][at])),
             )
     return tuple(errors[column] for column in sorted(errors))
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from somo_cli.analysis.error_estimate import ColumnError, ErrorEstimate
+from somo_cli.analysis.outcomes import outcomes
 from somo_cli.analysis.text_table import table_lines
 from somo_cli.analysis.verdict import (
     CONVERGED,
@@ -26,7 +27,7 @@ def estimate_lines(estimate: ErrorEstimate) -> list[str]:
     return [
         f"estimated error, by the same scene at {runs} s ({estimate.run_time:.3g} s more):",
         *(f"  {line}" for line in worst_lines(estimate.errors)),
-        verdict(estimate.time_step, estimate.errors),
+        verdict(estimate.time_step, estimate.errors, _parted(estimate)),
     ]
 
 
@@ -55,23 +56,30 @@ def plain_estimate(estimate: ErrorEstimate) -> dict[str, object]:
         "compared_time_steps_s": list(estimate.others),
         "order": estimate.order,
         "run_time_s": estimate.run_time,
-        **plain_verdict(estimate.time_step, estimate.errors),
+        **plain_verdict(estimate),
         "columns": plain_columns(estimate.errors),
     }
 
 
-def plain_verdict(
-    time_step: float, errors: Sequence[ColumnError], target: float = CONVERGED
-) -> dict[str, object]:
-    """Return the verdict on a run at a time step [s] as values for JSON."""
+def plain_verdict(estimate: ErrorEstimate) -> dict[str, object]:
+    """Return the verdict on a run as values for JSON."""
+    found = outcomes(estimate.errors, estimate.levels, estimate.ends)
     return {
-        "verdict": verdict(time_step, errors, target),
-        "is_converged": is_converged(errors, target),
-        "target_relative": target,
+        "verdict": verdict(estimate.time_step, estimate.errors, _parted(estimate)),
+        "is_converged": is_converged(estimate.errors),
+        "target_relative": CONVERGED,
+        "outcomes": None if found is None else found.plain_data(),
         "worst": [
-            {"column": one.name, "relative": one.relative} for one in worst(errors, WORST_COUNT)
+            {"column": one.name, "relative": one.relative}
+            for one in worst(estimate.errors, WORST_COUNT)
         ],
     }
+
+
+def _parted(estimate: ErrorEstimate) -> str:
+    """Return the sentence on two outcomes, empty if the runs draw together."""
+    found = outcomes(estimate.errors, estimate.levels, estimate.ends)
+    return "" if found is None else found.sentence
 
 
 def plain_columns(errors: Sequence[ColumnError]) -> dict[str, object]:

@@ -44,6 +44,8 @@ class RowsWithImpulses:
         self._total: Array = np.zeros(len(self._forces))
         self._left: Array | None = None
         self.written = 0
+        self.last: Array | None = None
+        """The last row that was passed on, with impulses, shape (1, columns)."""
 
     def take(self, rows: Array) -> None:
         """Take rows, shape (rows, columns), and pass on those that the plan records."""
@@ -64,6 +66,7 @@ class RowsWithImpulses:
     def _pass_on(self, rows: Array) -> None:
         if len(rows):
             self.written += len(rows)
+            self.last = rows[-1:].copy()
             self._write(rows)
 
 

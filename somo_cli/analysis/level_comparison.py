@@ -32,7 +32,7 @@ class Differences:
 
     `final`, `largest` and `rms` are of the values at the rows. `judged` is by the measure of the
     family of the column, in its unit; `range` is how far the column moved in both runs, by the same
-    measure. `ends` are the last values of the run and of the finer one.
+    measure.
     """
 
     final: Array
@@ -40,7 +40,6 @@ class Differences:
     rms: Array
     judged: Array
     range: Array
-    ends: tuple[Array, Array]
 
 
 class DifferenceAccumulator:
@@ -61,7 +60,6 @@ class DifferenceAccumulator:
         self._judged_sum: Array = np.zeros(width)
         self._least: Array = np.full(width, np.inf)
         self._most: Array = np.full(width, -np.inf)
-        self._ends = self._final, self._final
         self._time = 0.0
         self._count = 0
 
@@ -82,7 +80,6 @@ class DifferenceAccumulator:
         for one in (rows[:, self._judged], finer[:, self._judged]):
             self._least = np.minimum(self._least, one.min(axis=0))
             self._most = np.maximum(self._most, one.max(axis=0))
-        self._ends = rows[-1, 1 : self._width + 1], finer[-1, 1 : self._width + 1]
         self._time = float(finer[-1, 0])
         self._count += len(rows)
 
@@ -99,7 +96,7 @@ class DifferenceAccumulator:
                 judged[part] = np.maximum(mean[part], self._judged_final[part]) / duration
                 span[part] /= duration
         rms = np.sqrt(self._squares / self._count)
-        return Differences(self._final, self._largest, rms, judged, span, self._ends)
+        return Differences(self._final, self._largest, rms, judged, span)
 
 
 class OrderAccumulator:
@@ -110,10 +107,16 @@ class OrderAccumulator:
         self._aligned = QuaternionAlignment(plan)
         self._judged = judged_columns(plan)
         self._products: Array = np.zeros((3, len(self._judged)))
+        self.ends: Array = np.empty((0, len(self._judged)))
+        """The values of the three runs at their last common instant, shape (3, columns)."""
 
     def add(self, first: Array, second: Array, third: Array) -> None:
         """Add rows of the three runs at the same instants, the coarsest first."""
+        if not len(third):
+            return
         first, second = self._aligned(first, third), self._aligned(second, third)
+        width = len(self._judged) + 1
+        self.ends = np.array([one[-1, 1:width] for one in (first, second, third)])
         before = (first - second)[:, self._judged]
         after = (second - third)[:, self._judged]
         self._products += [

@@ -14,7 +14,11 @@ from somo_cli.analysis.error_estimate import (
     distances,
     errors_of_finer_run,
 )
-from somo_cli.analysis.level_comparison import DifferenceAccumulator, OrderAccumulator
+from somo_cli.analysis.level_comparison import (
+    DifferenceAccumulator,
+    OrderAccumulator,
+    QuaternionAlignment,
+)
 from somo_cli.analysis.observed_order import ObservedOrder
 from somo_cli.arrays import Array
 from somo_cli.scene import columns
@@ -28,13 +32,17 @@ class RecordedErrors:
     `by_family` has the column with the largest error of each family of columns, `worst` the one
     with the largest error relative to its scale of those that the scene records. `forces` are mean
     normal forces [N] over the run by the names of the two bodies, of all pairs that can touch.
-    `events` is how often two links began to press on each other.
+    `events` is how often two links began to press on each other. `columns` are the errors of all
+    columns but the time, and `ends` their last values, with the quaternions' signs of the finest
+    run.
     """
 
     by_family: tuple[ColumnError, ...]
     worst: ColumnError | None
     forces: Mapping[tuple[str, str], float]
     events: int
+    columns: tuple[ColumnError, ...]
+    ends: Array
 
     @property
     def relative(self) -> float:
@@ -64,7 +72,7 @@ def reference_errors(
     order.add(*levels)
     nominal = ObservedOrder(np.nan, CONVERGENCE_ORDER["implicit"])
     errors = errors_of_finer_run(plan, differences.differences(), order, nominal)
-    return _summary(plan, levels[2], errors, recorded, events)
+    return _summary(plan, levels[2], levels[2], errors, recorded, events)
 
 
 def case_errors(
@@ -74,12 +82,13 @@ def case_errors(
     differences = DifferenceAccumulator(plan)
     differences.add(rows, reference)
     errors = distances(plan, differences.differences())
-    return _summary(plan, rows, errors, recorded, events)
+    return _summary(plan, rows, reference, errors, recorded, events)
 
 
 def _summary(
     plan: Plan,
     rows: Array,
+    reference: Array,
     errors: Sequence[ColumnError],
     recorded: frozenset[str],
     events: int,
@@ -90,7 +99,9 @@ def _summary(
     )
     told = [one for one in errors if one.name in recorded]
     worst = max(told, key=lambda one: one.relative, default=None)
-    return RecordedErrors(by_family, worst, _mean_forces(plan, rows), events)
+    last = QuaternionAlignment(plan)(rows[-1:], reference[-1:])[0, 1 : len(errors) + 1]
+    forces = _mean_forces(plan, rows)
+    return RecordedErrors(by_family, worst, forces, events, tuple(errors), last)
 
 
 def _mean_forces(plan: Plan, rows: Array) -> dict[tuple[str, str], float]:

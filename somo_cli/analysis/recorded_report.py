@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
+from somo_cli.analysis.outcomes import outcomes
 from somo_cli.analysis.recorded_errors import RecordedErrors
 from somo_cli.analysis.study_model import Discretization, Study, StudyCase
 from somo_cli.analysis.text_table import table_lines
@@ -60,6 +63,29 @@ def recorded_remarks(study: Study) -> list[str]:
             f"{where}of what the scene records, the reference knows {found.worst.name} least: "
             f"to {described(found.worst)}"
         )
+    return sentences
+
+
+def outcome_remarks(study: Study) -> list[str]:
+    """Return the outcomes of each integrator whose runs part ways, the reference among them."""
+    sentences = []
+    for discretization in study.discretizations:
+        finest = discretization.recorded
+        if finest is None:
+            continue
+        where = "" if discretization.segments is None else f"{discretization.segments} segments, "
+        for integrator in study.settings.integrators:
+            runs = [
+                (case.time_step, case.recorded.ends)
+                for case in study.cases
+                if case.recorded is not None
+                and (case.segments, case.integrator) == (discretization.segments, integrator)
+            ]
+            runs.append((discretization.reference.time_step, finest.ends))
+            steps, ends = zip(*runs, strict=True)
+            found = outcomes(finest.columns, steps, np.array(ends))
+            if found is not None:
+                sentences.append(f"{where}{integrator}: {found.sentence}")
     return sentences
 
 

@@ -8,6 +8,8 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 from somo_cli.analysis.error_estimate import (
     CONVERGENCE_ORDER,
     ColumnError,
@@ -15,10 +17,12 @@ from somo_cli.analysis.error_estimate import (
     errors_of_finer_run,
     finer_plan,
 )
-from somo_cli.analysis.level_comparison import LevelRows, compare
+from somo_cli.analysis.level_comparison import LevelRows, QuaternionAlignment, compare
 from somo_cli.analysis.observed_order import ObservedOrder
+from somo_cli.analysis.outcomes import Outcomes, outcomes
 from somo_cli.analysis.spooled_run import LevelRunner, SpooledRun
 from somo_cli.analysis.tolerances import Tolerances
+from somo_cli.arrays import Array
 from somo_cli.problems import SimulationDiverged
 from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.recording.contact_event_writer import ContactEventWriter
@@ -52,12 +56,24 @@ class Refinement:
     tolerances: Tolerances
     halvings: int
     levels: tuple[LevelReport, ...]
+    outcomes: Outcomes | None = None
     events: tuple[str, int] | None = None
 
     @property
-    def is_converged(self) -> bool:
+    def agrees(self) -> bool:
         """Whether there are errors, and each is within its tolerance."""
         return self.tolerances.are_met(self.errors)
+
+    @property
+    def is_confirmed(self) -> bool:
+        """Whether the outcome is that of three runs, if any run had another."""
+        steps = [one.time_step for one in self.levels]
+        return self.outcomes is None or not self.outcomes.parts_last_of_three(steps)
+
+    @property
+    def is_converged(self) -> bool:
+        """Whether each error is within its tolerance, and the outcome is confirmed."""
+        return self.agrees and self.is_confirmed
 
     @property
     def run_time(self) -> float:
@@ -80,7 +96,8 @@ class Refiner:
     """Runs a plan at twice its step, at its own, at half of it and so on.
 
     The run at twice the step tells the order together with the next two. A coarse run that diverges
-    is left out. Rows are at the instants of the plan's own. Temporary files live as long as
+    is left out. Where the last two runs agree but the one before had another outcome, one more has
+    to confirm theirs. Rows are at the instants of the plan's own. Temporary files live as long as
     `stack`.
     """
 
@@ -103,15 +120,20 @@ class Refiner:
         self._with_events = with_events
         self._levels: list[_Level] = []
         self._reports: list[LevelReport] = []
+        self._ends: list[tuple[float, Array]] = []
 
     def refine(self) -> Refinement:
         """Return the finest run. Raises EngineRefused, and SimulationDiverged if that diverges."""
-        errors: tuple[ColumnError, ...] = ()
-        for halvings in range(-1, self._max_halvings + 1):
+        for halvings in range(-1, self._max_halvings):
             errors = self._errors_at(halvings)
-            is_first = halvings < 1  # the scene's own step is compared with half of it
-            if not is_first and self._tolerances.are_met(errors):
-                break
+            if halvings < 1 or not errors:
+                continue  # the scene's own step is compared with half of it
+            found = self._refinement(errors, halvings)
+            if found.is_converged:
+                return found
+        return self._refinement(self._errors_at(self._max_halvings), self._max_halvings)
+
+    def _refinement(self, errors: tuple[ColumnError, ...], halvings: int) -> Refinement:
         finest = self._levels[-1]
         return Refinement(
             finest.plan,
@@ -121,8 +143,19 @@ class Refiner:
             self._tolerances,
             halvings,
             tuple(self._reports),
+            self._outcomes(errors),
             finest.events,
         )
+
+    def _outcomes(self, errors: tuple[ColumnError, ...]) -> Outcomes | None:
+        """Return the outcomes of all runs that ended at the instant at which the finest did."""
+        last = self._ends[-1][1]
+        align, width = QuaternionAlignment(self._plan), len(errors) + 1
+        same = [(step, row) for step, row in self._ends if math.isclose(row[0, 0], last[0, 0])]
+        rows = np.array([align(row, last)[0, 1:width] for _, row in same])
+        asked = [place for place, one in enumerate(errors) if self._tolerances.judges(one)]
+        steps = [step for step, _ in same]
+        return outcomes([errors[place] for place in asked], steps, rows[:, asked])
 
     def _errors_at(self, halvings: int) -> tuple[ColumnError, ...]:
         """Run a level and return its errors; none if there is no coarser run to compare it with."""
@@ -141,6 +174,7 @@ class Refiner:
             self._reports.append(LevelReport(plan.time_step, cost, "diverged"))
             return ()
         self._levels = [*self._levels[-2:], level]
+        self._ends.append((plan.time_step, level.rows.last))
         errors = self._compared() if halvings > 0 else ()
         worst = max(errors, key=self._tolerances.excess, default=None)
         excess = math.nan if worst is None else self._tolerances.excess(worst)

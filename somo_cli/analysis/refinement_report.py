@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from somo_cli.analysis.error_report import plain_columns, worst_lines
 from somo_cli.analysis.refinement import LevelReport, Refinement
 from somo_cli.analysis.text_table import table_lines
-from somo_cli.analysis.verdict import described, has_two_outcomes, percent, quantity, worst
+from somo_cli.analysis.verdict import described, percent, quantity, worst
 from somo_cli.problems import counted
 
 HEADER = ("step [s]", "run time [s]", "worst error", "of its range", "of the tolerance", "column")
@@ -46,15 +46,20 @@ def verdict(found: Refinement) -> str:
         return f"NOT judged after {halved}: there are no two runs with rows beside the start"
     judge = found.tolerances.excess
     first = max(found.errors, key=judge)
+    parted = "" if found.outcomes is None else found.outcomes.sentence
+    size = percent(worst(found.errors, 1)[0].relative)
     if found.is_converged:
-        return f"converged to {percent(worst(found.errors, 1)[0].relative)} after {halved}"
+        return f"converged to {size} after {halved}" + (f", but {parted}" if parted else "")
+    if found.agrees:
+        return (
+            f"NOT converged after {halved}: the last two runs agree to {size}, but the one before "
+            f"did not: {parted}; one more of --halvings tells whether smaller steps agree"
+        )
     missing = [one for one in found.errors if judge(one) > 1]
     more = "" if len(missing) == 1 else f", and {counted(len(missing) - 1, 'more column')}"
     line = f"NOT converged after {halved}: {first.name} differs by {described(first)}{more}"
-    parted = next((one for one in missing if has_two_outcomes(one)), None)
-    if parted is not None:
-        ends = " and ".join(quantity(value, parted.unit) for value in parted.ends)
-        line += f"; two outcomes: {parted.name} ends at {ends} at the last two steps"
+    if parted:
+        line += f"; {parted}"
     return f"{line}; what is written is the finest run"
 
 
@@ -84,6 +89,7 @@ def plain_error(found: Refinement) -> dict[str, object]:
         "method": "the step halved until the runs agree",
         "verdict": verdict(found),
         "is_converged": found.is_converged,
+        "outcomes": None if found.outcomes is None else found.outcomes.plain_data(),
         "worst": [{"column": one.name, "relative": one.relative} for one in worst(found.errors)],
         "columns": plain_columns(found.errors),
     }

@@ -52,6 +52,12 @@ class SpooledRun:
         self._rows.finish()
         return replace(summary, rows=self._rows.written)
 
+    @property
+    def last(self) -> Array:
+        """The last row with impulses, shape (1, columns)."""
+        assert self._rows.last is not None, "the start is recorded"
+        return self._rows.last
+
     def reader(self) -> ReadRows:
         """Return a function that gives so many rows with impulses each time, the next ones."""
         return self._spool.reader()

@@ -13,7 +13,7 @@ from somo_cli.analysis.choice import (
     most_accurate,
 )
 from somo_cli.analysis.errors import ErrorSummary
-from somo_cli.analysis.recorded_report import recorded_remarks
+from somo_cli.analysis.recorded_report import outcome_remarks, recorded_remarks
 from somo_cli.analysis.study_model import Discretization, Study, StudyCase
 from somo_cli.analysis.text_table import table_lines
 
@@ -93,7 +93,12 @@ def remarks(study: Study, target: float) -> list[str]:
             f"balanced: {_settings(one.case, one.discretization)}: solver {_percent(one.solver)}, "
             f"model {_percent(one.model or 0.0)}"
         )
-    return [*sentences, *recorded_remarks(study), recommendation(study, target)]
+    return [
+        *sentences,
+        *recorded_remarks(study),
+        *outcome_remarks(study),
+        recommendation(study, target),
+    ]
 
 
 def recommendation(study: Study, target: float) -> str:

@@ -29,6 +29,12 @@ class Tolerances:
                 return error.judged / value
         return 0.0 if self.share is None else error.relative / self.share
 
+    def judges(self, error: ColumnError) -> bool:
+        """Whether there is a tolerance for the column of an error."""
+        return self.share is not None or any(
+            select_columns((pattern,), (error.name,)).indices for pattern, _ in self.by_pattern
+        )
+
     def are_met(self, errors: Sequence[ColumnError]) -> bool:
         """Whether there are errors, and each is within its tolerance."""
         return bool(errors) and all(self.excess(error) <= 1 for error in errors)

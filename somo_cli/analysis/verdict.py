@@ -9,7 +9,6 @@ from somo_cli.analysis.round_steps import round_down_step
 
 CONVERGED = 0.01  # largest error, relative to the scale of the column
 WORST_COUNT = 5
-TWO_OUTCOMES = 0.25  # of the scale: what ends so far from where it does at half the step
 SMALLEST_FACTOR = 64  # of a step that is recommended
 
 
@@ -23,31 +22,25 @@ def is_converged(errors: Sequence[ColumnError], target: float = CONVERGED) -> bo
     return bool(errors) and all(one.relative <= target for one in errors)
 
 
-def has_two_outcomes(error: ColumnError) -> bool:
-    """Whether a column ends elsewhere at half the step, and the runs do not draw together.
+def verdict(
+    time_step: float,
+    errors: Sequence[ColumnError],
+    parted: str = "",
+    target: float = CONVERGED,
+) -> str:
+    """Return one line on a run at a time step [s].
 
-    Then the scene is at a parting of ways, such as a grasp that slips or holds.
+    `parted` names the outcomes if runs at other steps ended elsewhere.
     """
-    is_apart = abs(error.ends[0] - error.ends[1]) >= TWO_OUTCOMES * error.scale
-    falls = not (error.order.is_irregular or error.order.is_growing)
-    return error.measure == "largest" and is_apart and not falls
-
-
-def verdict(time_step: float, errors: Sequence[ColumnError], target: float = CONVERGED) -> str:
-    """Return one line on a run at a time step [s]."""
     if not errors:
         return "NOT judged: only the start is recorded; try more --steps or a smaller --every"
     first = worst(errors, 1)[0]
     if first.relative <= target:
-        return f"converged to {percent(first.relative)}"
+        line = f"converged to {percent(first.relative)}"
+        return f"{line}, but {parted}" if parted else line
     line = f"NOT converged: {first.name} differs by {described(first)}"
-    parted = next((one for one in worst(errors, len(errors)) if has_two_outcomes(one)), None)
-    if parted is not None:
-        ends = " and ".join(quantity(value, parted.unit) for value in parted.ends)
-        return (
-            f"{line}; two outcomes: {parted.name} ends at {ends} at {time_step:g} and "
-            f"{time_step / 2:g} s; look with --tolerance whether smaller steps agree"
-        )
+    if parted:
+        return f"{line}; {parted}; look with --tolerance whether smaller steps agree"
     return f"{line}; try --time-step {better_step(time_step, errors, target):g}"
 
 

@@ -11,7 +11,7 @@ import pytest
 from somo_cli.analysis import study_export, study_report
 from somo_cli.analysis.choice import cheapest, is_judged_by_recorded
 from somo_cli.analysis.common_instants import common_instants
-from somo_cli.analysis.recorded_report import recorded_table
+from somo_cli.analysis.recorded_report import outcome_remarks, recorded_table
 from somo_cli.analysis.study import study
 from somo_cli.analysis.study_model import Study, StudySettings
 from somo_cli.scene.model import Scene
@@ -60,6 +60,7 @@ def test_the_impulse_of_a_pair_over_the_time_is_the_weight_that_it_bears(pushed:
     # momentum: what is borne over the time is the weight, less the fall at the start
     assert forces["cube", "ground"] == pytest.approx(9.81 * mass, rel=2e-3)
     assert discretization.recorded.events == 1
+    assert outcome_remarks(pushed) == []
 
 
 def test_the_step_is_chosen_by_the_worst_of_what_is_recorded(pushed: Study) -> None:
@@ -109,3 +110,19 @@ def test_free_motion_is_judged_by_its_tip_as_before() -> None:
     assert recorded_table(found) == ""
     assert not is_judged_by_recorded(found)
     assert "contact_events" not in study_export.csv_text(found)
+
+
+def test_steps_at_which_an_object_topples_are_told_with_both_outcomes() -> None:
+    """A bar that is kicked topples at 8 ms and stands at smaller steps; the finger is elsewhere."""
+    bar = (
+        "objects=[{name: bar, shape_type: box, density: 1000, dimensions: [0.02, 0.02, 0.06], "
+        "position: [0.5, 0, 0.03], friction: 0.8, angular_velocity: [0, 16.8, 0]}]"
+    )
+    scene = scene_from_file("push_scene.yaml", bar, "ground={friction: 0.8}")
+    steps = (8e-3, 4e-3, 2e-3)
+    settings = StudySettings(steps, ("implicit",), (None,), common_instants(steps, 1.2), 1)
+    found = study(scene, settings, BulletWorld, lambda: 0.0, lambda done: None)
+    (sentence,) = outcome_remarks(found)
+    assert sentence.startswith("implicit: two outcomes: bar.pose.x_m ends at ")
+    assert " at 0.008 s and at 498 mm at 0.004, 0.002 and 0.00025 s" in sentence
+    assert sentence in study_report.remarks(found, 0.01)

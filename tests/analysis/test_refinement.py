@@ -19,7 +19,7 @@ from somo_cli.scene.model import Scene
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.build import make_plan
 from tests.builders.runs import rows_of
-from tests.builders.scenes import scene_from_file
+from tests.builders.scenes import scene_from_file, scene_from_text
 
 SWING = scene_from_file(
     "scene.yaml", "manipulators[0].initial_rates=2", "time_step=0.01", "record={every: 5}"
@@ -118,3 +118,54 @@ def test_a_run_that_stops_is_compared_up_to_its_end() -> None:
     found, rows = refined(scene, 400, 1e-3)
     assert found.is_converged
     assert rows[-1, 0] == pytest.approx(0.203, abs=0.007)
+
+
+def kicked_bar(time_step: float, spin: float) -> Scene:
+    """Return a bar that stands on end and is kicked [rad/s]: it rocks and stands, or topples.
+
+    It topples from 16.74 rad/s on at 8 ms, 17.49 at 4 ms, and 17.64 at all smaller steps.
+    """
+    return scene_from_text(
+        "ground: {friction: 0.8}\nobjects: [{name: bar, shape_type: box, density: 1000, "
+        "dimensions: [0.02, 0.02, 0.06], position: [0, 0, 0.03], friction: 0.8, "
+        f"angular_velocity: [0, {spin}, 0]}}]\ntime_step: {time_step}\n"
+        f"record: {{every: {round(0.04 / time_step)}}}\n"
+    )
+
+
+def test_an_outcome_that_only_two_runs_have_is_confirmed_by_a_third() -> None:
+    """At 8 ms the bar topples, at 4 and 2 ms it stands: one halving might be as wrong."""
+    found, rows = refined(kicked_bar(4e-3, 16.8), 300, 0.25)
+    assert found.is_converged
+    assert [level.time_step for level in found.levels] == pytest.approx([8e-3, 4e-3, 2e-3, 1e-3])
+    assert found.outcomes is not None
+    assert [len(one.steps) for one in found.outcomes.outcomes] == [1, 3]
+    assert rows[-1, 3] == pytest.approx(0.03, abs=1e-3)  # the height of a bar that stands
+    line = verdict(found)
+    assert line.startswith("converged to ")
+    assert ", but two outcomes: bar.pose." in line
+    once, _ = refined(kicked_bar(4e-3, 16.8), 300, 0.25, max_halvings=1)
+    assert once.agrees
+    assert not once.is_converged
+    assert "the last two runs agree to" in verdict(once)
+
+
+def test_a_bar_that_topples_at_coarse_steps_alone_is_told_with_both_outcomes() -> None:
+    found, rows = refined(kicked_bar(4e-3, 17.57), 300, 0.2)
+    assert found.outcomes is not None
+    toppled, standing = found.outcomes.outcomes
+    assert toppled.steps == pytest.approx((8e-3, 4e-3))
+    assert len(standing.steps) >= 3
+    assert found.is_converged
+    assert rows[-1, 3] == pytest.approx(0.03, abs=1e-3)
+
+
+def test_a_tolerance_of_other_columns_does_not_ask_for_an_outcome() -> None:
+    with ExitStack() as stack:
+        runner = LevelRunner(BulletWorld, ticking(), temporary_file)
+        plan = make_plan(kicked_bar(4e-3, 16.8))
+        asked = Tolerances(None, (("bar.pose.y_m", 1e-3),))
+        found = Refiner(plan, 300, asked, runner, stack).refine()
+    assert found.is_converged
+    assert found.outcomes is None
+    assert found.halvings == 1

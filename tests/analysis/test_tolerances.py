@@ -23,7 +23,6 @@ ERROR = ColumnError(
     judged=2e-3,
     scale=0.1,
     order=ObservedOrder(2.0, 2),
-    ends=(0.0, 0.0),
 )
 TIP = dataclasses.replace(ERROR, name="finger.tip.x_m")
 
