@@ -16,6 +16,7 @@ The rooms of the code, each of which knows only those before it (`make map` draw
 - `output_files`: writes files, whole or not at all.
 - `packages`: folders that `package://` paths name.
 - `signals`: what a signal raises, and that nothing drops it.
+- `budget`: the time and memory that a command may use.
 - `terminal`: everything that is printed on standard error.
 - `document/`: a file as it was written, each value with its line and column.
 - `manipulator/`: what a definition means, its chain of links, its URDF.

@@ -145,6 +145,19 @@ class SimulationDiverged(SomoError):
         return f"step {self.step} ({self.time:g} s): {self.kind} '{self.name}': {self.reason}"
 
 
+class BudgetSpent(SomoError):
+    """A command has used more time or memory than an option allows it."""
+
+    def __init__(self, reason: str, option: str, progress: str) -> None:
+        self.reason = reason
+        self.option = option
+        self.progress = progress
+        super().__init__(reason, option, progress)
+
+    def __str__(self) -> str:
+        return f"{self.reason}, the most of {self.option}; {self.progress}"
+
+
 class EngineRefused(SomoError):
     """The engine did not load a body, or loaded it wrongly."""
 

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 
 from somo_cli import signals
+from somo_cli.budget import Budget
 from somo_cli.problems import LINE_BREAK, Problem
 
 _MAX_COLUMNS = 100  # columns of a source line
@@ -49,15 +50,23 @@ def print_lines(lines: Iterable[str]) -> None:
 
 
 @contextmanager
-def progress(total: int, description: str) -> Iterator[Callable[[int], None]]:
+def progress(
+    total: int, description: str, budget: Budget | None = None
+) -> Iterator[Callable[[int], None]]:
     """Show a progress bar on a terminal; yield the function that takes the number done so far.
 
-    It also raises again the exception of a signal that something has dropped.
+    It also raises BudgetSpent, and again the exception of a signal that something has dropped.
     """
     guard = signals.guard_in_force()
-    raise_again = _ignore if guard is None else guard.raise_again
+
+    def end_if_due(done: int) -> None:
+        if guard is not None:
+            guard.raise_again()
+        if budget is not None:
+            budget.check(f"{description}: {done} of {total} done")
+
     if not _is_terminal() or os.environ.get("TERM") == "dumb":
-        yield lambda done: raise_again()
+        yield end_if_due
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
@@ -78,7 +87,7 @@ def progress(total: int, description: str) -> Iterator[Callable[[int], None]]:
 
         def advance(done: int) -> None:
             nonlocal drawn
-            raise_again()
+            end_if_due(done)
             now = time.monotonic()
             # drawing the bar takes longer than a step of a simulation
             if now - drawn >= _REDRAW_INTERVAL or done >= total:
@@ -86,10 +95,6 @@ def progress(total: int, description: str) -> Iterator[Callable[[int], None]]:
                 bar.update(task, completed=done)
 
         yield advance
-
-
-def _ignore() -> None:
-    pass
 
 
 def _report(problem: Problem, source: Sequence[str]) -> list[tuple[str, str]]:

@@ -28,7 +28,7 @@ TYPER = {"typer"}
 CHECKING = TYPER | {"jsonschema", "referencing", "yaml", "xml"}
 RUNNING = CHECKING | {"numpy", "pybullet"}
 
-DOOR = {"cli", "files", "output_files", "problems", "signals", "terminal"}
+DOOR = {"budget", "cli", "files", "output_files", "problems", "signals", "terminal"}
 LOADING = DOOR | {"document", "loading", "manipulator", "packages", "scene", "scene.checks"}
 PLANNED = LOADING | {
     "arrays",

@@ -24,6 +24,14 @@ Clock: TypeAlias = Callable[[], float]
 """Returns the time since an arbitrary instant [s]."""
 
 
+Advance: TypeAlias = Callable[[int], None]
+"""Takes the steps done of a run, and may end it by an exception."""
+
+
+def _go_on(done: int) -> None:
+    pass
+
+
 def record_rows(plan: Plan, steps: int, open_world: OpenWorld) -> Array:
     """Simulate and return the recorded rows, shape (rows, columns), time first, in SI.
 
@@ -46,7 +54,9 @@ class RecordedRun:
     events: int = 0
 
 
-def record_run(plan: Plan, steps: int, open_world: OpenWorld) -> RecordedRun:
+def record_run(
+    plan: Plan, steps: int, open_world: OpenWorld, advance: Advance = _go_on
+) -> RecordedRun:
     """Simulate and return the recorded rows; contacts are counted where bodies can touch.
 
     Behind the columns are the impulses of the contact forces that are recorded [N·s]. Raises
@@ -62,13 +72,18 @@ def record_run(plan: Plan, steps: int, open_world: OpenWorld) -> RecordedRun:
     rows, sampled = RowsWithImpulses(plan, blocks.append), sampled_plan(plan)
     on_event = count if plan.can_touch else None
     with open_world(sampled) as world:
-        run(sampled, world, rows.take, steps, lambda: 0.0, on_event=on_event)
+        run(sampled, world, rows.take, steps, lambda: 0.0, advance, on_event)
     rows.finish()
     return RecordedRun(np.concatenate(blocks), len(begun))
 
 
 def median_run_time(
-    plan: Plan, steps: int, open_world: OpenWorld, clock: Clock, repeats: int
+    plan: Plan,
+    steps: int,
+    open_world: OpenWorld,
+    clock: Clock,
+    repeats: int,
+    advance: Advance = _go_on,
 ) -> float:
     """Return the run time of the stepping loop alone [s], the median of `repeats` runs.
 
@@ -77,7 +92,12 @@ def median_run_time(
     """
     bare = replace(plan, columns=(), every=max(1, steps))
     times = []
-    for _ in range(repeats):
+    for repeat in range(repeats):
+
+        def advance_within(step: int, before: int = repeat * steps) -> None:
+            advance(before + step)
+
         with open_world(bare) as world:
-            times.append(run(bare, world, lambda rows: None, steps, clock).wall_time)
+            summary = run(bare, world, lambda rows: None, steps, clock, advance_within)
+        times.append(summary.wall_time)
     return statistics.median(times)

@@ -107,7 +107,7 @@ class StudyExecutor:
         try:
             found = self._recorded(scene, integrator, time_step)
             run_time = recorded_run.median_run_time(
-                plan, steps, self._open_world, self._clock, repeats
+                plan, steps, self._open_world, self._clock, repeats, self._advance_within
             )
         except SimulationDiverged as error:
             return dataclasses.replace(case, status="diverged", reason=str(error))
@@ -133,9 +133,12 @@ class StudyExecutor:
         every = instants.steps_between(time_step)
         plan = make_plan(scene_variants.with_time_step(scene, integrator, time_step, every))
         try:
-            return record_run(plan, instants.count * every, self._open_world)
+            return record_run(plan, instants.count * every, self._open_world, self._advance_within)
         finally:
             self._count(instants.count * every)
+
+    def _advance_within(self, step: int) -> None:
+        self._advance(self._done + step)
 
     def _count(self, steps: int) -> None:
         self._done += steps

@@ -1,13 +1,16 @@
 """The application, the options that commands share, and message and exit code of each error."""
 
 import functools
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
 from somo_cli import __version__, files, terminal
+from somo_cli.budget import Budget, most_memory
 from somo_cli.problems import (
+    BudgetSpent,
     EngineMissing,
     ExtraMissing,
     InvalidFile,
@@ -21,8 +24,9 @@ if TYPE_CHECKING:
 
 EXIT_CODES = """Exit codes: 0 success; 1 a check found problems, or a run is not within its
 tolerance; 2 wrong usage; 3 the definition, scene or recording is invalid; 4 the simulation
-diverged; 5 a file cannot be read or written, or the engine or an extra is missing; 130 interrupted;
-143 or 129 ended by SIGTERM or SIGHUP. A closed pipe ends a run quietly, with 0."""
+diverged; 5 a file cannot be read or written, or the engine or an extra is missing; 6 the time
+or memory of --max-seconds or --max-memory is spent; 130 interrupted; 143 or 129 ended by SIGTERM or
+SIGHUP. A closed pipe ends a run quietly, with 0."""
 
 MAX_STEPS = 1e8
 """The most time steps of a picture or a report, whose number follows from a time: hours of work."""
@@ -59,6 +63,25 @@ PackageOption = Annotated[
         "--package",
         metavar="NAME=FOLDER",
         help="The folder of package://NAME/... and model://NAME/... in URDFs. Repeatable.",
+    ),
+]
+SecondsOption = Annotated[
+    float | None,
+    typer.Option(
+        "--max-seconds",
+        metavar="S",
+        min=0.0,
+        help="End with 6 when the command has taken longer while it works step by step. "
+        "[default: no bound]",
+    ),
+]
+MemoryOption = Annotated[
+    float | None,
+    typer.Option(
+        "--max-memory",
+        metavar="MB",
+        min=0.0,
+        help="End with 6 when it has had more in memory. [default: no bound]",
     ),
 ]
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="Print no summary.")]
@@ -109,6 +132,8 @@ def _reported_user_error(error: SomoError) -> int:
         terminal.print_message(f"  hint: {error.hint}")
         return 4
     terminal.print_message(f"somo: {error}")
+    if isinstance(error, BudgetSpent):
+        return 6
     return 5 if isinstance(error, EngineMissing | ExtraMissing) else 3
 
 
@@ -128,6 +153,13 @@ def _common(
     ] = False,
 ) -> None:
     pass
+
+
+def budget_of(max_seconds: float | None, max_memory: float | None) -> Budget:
+    """Return a budget that starts now; exit with a usage error where memory cannot be measured."""
+    is_known = max_memory is None or not math.isnan(most_memory())
+    require(is_known, "--max-memory", "memory cannot be measured on this system")
+    return Budget(max_seconds, max_memory)
 
 
 def access_of(allow_outside: bool, package: list[str] | None) -> "Access":

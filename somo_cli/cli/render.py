@@ -8,15 +8,19 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from somo_cli import output_files, terminal
+from somo_cli.budget import Budget
 from somo_cli.cli import render_source, run_report
 from somo_cli.cli.application import (
     EXIT_CODES,
+    MemoryOption,
     OutsideOption,
     PackageOption,
     QuietOption,
+    SecondsOption,
     SetOption,
     access_of,
     app,
+    budget_of,
     report_errors,
     require,
 )
@@ -118,6 +122,8 @@ def render(
             help="The scene of a CSV. [default: the one that its .meta.json names]",
         ),
     ] = None,
+    max_seconds: SecondsOption = None,
+    max_memory: MemoryOption = None,
     sets: SetOption = None,
     allow_outside: OutsideOption = False,
     package: PackageOption = None,
@@ -128,6 +134,7 @@ def render(
     A scene is simulated up to the time that is shown. A CSV is shown as it was recorded; it must
     have joint_angles, base_pose of free bases, and pose of free objects.
     """
+    budget = budget_of(max_seconds, max_memory)
     access = access_of(allow_outside, package)
     written = output or f"{Path(source).stem}{STILL}"
     kind = _kind_of(written)
@@ -146,8 +153,8 @@ def render(
     else:
         document, found = render_source.read_scene(source, sets or [], access)
         refuse_overwriting(document, written)
-        recording, times = _simulated(document, found, timing)
-    drawn = _pictures(recording, times, look)
+        recording, times = _simulated(document, found, timing, budget)
+    drawn = _pictures(recording, times, look, budget)
     output_files.write_atomically(written, _encoded(drawn, look, timing, kind))
     if not quiet:
         terminal.print_message(f"{written}: {_summary(recording, times, look, timing)}")
@@ -171,11 +178,11 @@ def _require_encoder(timing: Timing) -> None:
 
 
 def _simulated(
-    document: "Document", scene: "Scene", timing: Timing
+    document: "Document", scene: "Scene", timing: Timing, budget: Budget
 ) -> "tuple[RecordedMotion, tuple[float, ...]]":
     steps = timing.steps_of(scene)
     spacing = timing.between if timing.is_film else None
-    recording, summary = render_source.simulated(document, scene, steps, spacing)
+    recording, summary = render_source.simulated(document, scene, steps, budget, spacing)
     terminal.print_lines(run_report.finding_lines(summary))
     why = ""
     if summary.stopped is not None:
@@ -187,11 +194,14 @@ def _simulated(
 
 
 def _pictures(
-    recording: "RecordedMotion", times: Sequence[float], look: "PictureSettings"
+    recording: "RecordedMotion",
+    times: Sequence[float],
+    look: "PictureSettings",
+    budget: Budget,
 ) -> "Iterator[Array]":
     from somo_cli.picture.draw import pictures
 
-    with terminal.progress(len(times), "drawing") as advance:
+    with terminal.progress(len(times), "drawing", budget) as advance:
         for number, picture in enumerate(pictures(recording, times, look), start=1):
             advance(number)
             yield picture

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from somo_cli import files, terminal
+from somo_cli.budget import Budget
 from somo_cli.cli.run_outputs import beside
 from somo_cli.cli.tables import MAX_TABLE_BYTES, read_table_file
 from somo_cli.problems import InvalidFile, Problem, Span
@@ -43,7 +44,7 @@ def read_scene(path: str, sets: Sequence[str], access: Access) -> tuple[Document
 
 
 def simulated(
-    document: Document, scene: Scene, steps: int, every: float | None = None
+    document: Document, scene: Scene, steps: int, budget: Budget, every: float | None = None
 ) -> tuple[RecordedMotion, RunSummary]:
     """Simulate a scene for `steps` time steps and return its recording, with the last step.
 
@@ -66,7 +67,7 @@ def simulated(
     with (
         stdout_to_stderr(),
         BulletWorld(plan) as world,
-        terminal.progress(steps, "simulating") as advance,
+        terminal.progress(steps, "simulating", budget) as advance,
     ):
         summary = run(plan, world, blocks.append, steps, time.perf_counter, advance)
     names = columns.header(plan.recorded)

@@ -10,14 +10,18 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from somo_cli import output_files, terminal
+from somo_cli.budget import Budget
 from somo_cli.cli.application import (
     EXIT_CODES,
+    MemoryOption,
     OutsideOption,
     PackageOption,
     QuietOption,
+    SecondsOption,
     SetOption,
     access_of,
     app,
+    budget_of,
     report_errors,
     require,
     require_few_steps,
@@ -81,6 +85,8 @@ def report(
             "report.svg. [default: the scene's name with _report, in the current directory]",
         ),
     ] = None,
+    max_seconds: SecondsOption = None,
+    max_memory: MemoryOption = None,
     sets: SetOption = None,
     allow_outside: OutsideOption = False,
     package: PackageOption = None,
@@ -101,6 +107,7 @@ def report(
     from somo_cli.analysis.study_model import StudySettings
     from somo_cli.simulation.metadata import provenance
 
+    budget = budget_of(max_seconds, max_memory)
     require(0 < duration <= 1e6, "--duration", f"{duration} is not greater than 0 and at most 1e6")
     require(0 < target < 1, "--target", f"{target} is not between 0 and 1")
     document = loading.load(scene, sets or [], *access_of(allow_outside, package))
@@ -121,7 +128,7 @@ def report(
     require_few_steps(total_steps(settings), "--duration")
     with _reference_of(document):
         closed_form_references.check_applicable(planned)
-        study = _studied(planned, settings)
+        study = _studied(planned, settings, budget)
 
     folder = Path(output or f"{Path(scene).stem}_report")
     pictures = _pictures(study, Path(scene).stem)
@@ -206,14 +213,15 @@ def _instants(steps: Sequence[float], duration: float) -> "Instants":
         raise typer.BadParameter(f"{error}; {hint}", param_hint="'--time-steps'") from error
 
 
-def _studied(scene: "Scene", settings: "StudySettings") -> "Study":
+def _studied(scene: "Scene", settings: "StudySettings", budget: Budget) -> "Study":
     from somo_cli.analysis.study import study, total_steps
     from somo_cli.manipulator.resegmentation import NotUniform
     from somo_cli.simulation.engine.bullet.c_stdio import stdout_to_stderr
     from somo_cli.simulation.engine.bullet.world import BulletWorld
 
     try:
-        with stdout_to_stderr(), terminal.progress(total_steps(settings), "measuring") as advance:
+        total = total_steps(settings)
+        with stdout_to_stderr(), terminal.progress(total, "measuring", budget) as advance:
             return study(scene, settings, BulletWorld, time.perf_counter, advance)
     except NotUniform as error:
         raise typer.BadParameter(str(error), param_hint="'--segments'") from error

@@ -9,12 +9,15 @@ import typer
 from somo_cli import terminal
 from somo_cli.cli.application import (
     EXIT_CODES,
+    MemoryOption,
     OutsideOption,
     PackageOption,
     QuietOption,
+    SecondsOption,
     SetOption,
     access_of,
     app,
+    budget_of,
     report_errors,
     require,
 )
@@ -117,6 +120,8 @@ def run(
             help="Load shapes, solve constraints and read state that no result needs, as a check.",
         ),
     ] = False,
+    max_seconds: SecondsOption = None,
+    max_memory: MemoryOption = None,
     sets: SetOption = None,
     allow_outside: OutsideOption = False,
     package: PackageOption = None,
@@ -128,6 +133,7 @@ def run(
     """
     from somo_cli import loading
 
+    budget = budget_of(max_seconds, max_memory)
     hint = "--tolerance tells the error as well: leave --error out"
     require(not (tolerance and with_error), "--error", hint)
     step = _step(time_step)
@@ -151,12 +157,12 @@ def run(
 
         allowed = _tolerances(tolerance, prepared.names)
         summary, is_known = simulate_to_tolerance(
-            prepared, steps, targets, sets or [], allowed, halvings, quiet
+            prepared, steps, targets, sets or [], allowed, halvings, quiet, budget
         )
     else:
         from somo_cli.cli.run_once import simulate_once
 
-        summary = simulate_once(prepared, steps, targets, sets or [], with_error, quiet)
+        summary = simulate_once(prepared, steps, targets, sets or [], with_error, quiet, budget)
     if not is_known or (is_strict and summary.findings):
         raise typer.Exit(1)
 

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 from somo_cli import files, output_files, terminal
+from somo_cli.budget import Budget
 from somo_cli.cli import run_report
 from somo_cli.cli.run_outputs import Targets, metadata_of, write_metadata
-from somo_cli.problems import SimulationDiverged
+from somo_cli.problems import BudgetSpent, SimulationDiverged
 
 if TYPE_CHECKING:
     from somo_cli.analysis.error_estimate import ErrorEstimate
@@ -26,6 +27,7 @@ def simulate_once(
     sets: Sequence[str],
     with_error: bool,
     quiet: bool,
+    budget: Budget,
 ) -> "RunSummary":
     """Simulate, write every file and print the summary.
 
@@ -36,13 +38,13 @@ def simulate_once(
     failure: SimulationDiverged | None = None
     with files.temporary_file() if with_error else nullcontext() as kept:
         spooled = None if kept is None else _spooled(prepared.plan, kept)
-        summary, events = _recorded(prepared, steps, targets, spooled)
+        summary, events = _recorded(prepared, steps, targets, spooled, budget)
         about = metadata_of(prepared, summary, sets, output, events)
         if spooled is not None:
             from somo_cli.analysis import error_report
 
             try:
-                estimate = _estimated(prepared.plan, spooled, summary.steps)
+                estimate = _estimated(prepared.plan, spooled, summary.steps, budget)
                 about["error"] = error_report.plain_estimate(estimate)
                 lines = error_report.estimate_lines(estimate)
             except SimulationDiverged as error:
@@ -59,7 +61,11 @@ def simulate_once(
 
 
 def _recorded(
-    prepared: "PreparedRun", steps: int, targets: Targets, spooled: "SpooledRun | None"
+    prepared: "PreparedRun",
+    steps: int,
+    targets: Targets,
+    spooled: "SpooledRun | None",
+    budget: Budget,
 ) -> "tuple[RunSummary, int | None]":
     """Simulate and write the files; return a summary and, if events are recorded, their number."""
     from somo_cli.api import runs
@@ -78,7 +84,7 @@ def _recorded(
             else output_files.open_partial(of_events) as event_stream,
             stdout_to_stderr(),
             runs.OpenRun(prepared.plan if spooled is None else spooled.plan) as opened,
-            terminal.progress(steps, "simulating") as advance,
+            terminal.progress(steps, "simulating", budget) as advance,
         ):
             writer = CsvWriter(stream, prepared.names, is_live=is_live)
             events = (
@@ -90,7 +96,7 @@ def _recorded(
             if spooled is not None:
                 summary = spooled.finish(summary)
             return summary, None if events is None else events.events
-    except (SimulationDiverged, KeyboardInterrupt):
+    except (SimulationDiverged, BudgetSpent, KeyboardInterrupt):
         for target in targets:
             if target not in (None, "-") and Path(f"{target}.partial").exists():
                 terminal.print_message(f"somo: the rows so far are in {target}.partial")
@@ -103,13 +109,13 @@ def _spooled(plan: "Plan", stream: BinaryIO) -> "SpooledRun":
     return SpooledRun(plan, stream)
 
 
-def _estimated(plan: "Plan", spooled: "SpooledRun", steps: int) -> "ErrorEstimate":
+def _estimated(plan: "Plan", spooled: "SpooledRun", steps: int, budget: Budget) -> "ErrorEstimate":
     from somo_cli.analysis.error_estimate import estimate
     from somo_cli.analysis.spooled_run import LevelRunner
     from somo_cli.simulation.engine.bullet.c_stdio import stdout_to_stderr
     from somo_cli.simulation.engine.bullet.world import BulletWorld
 
     total = 2 * steps + steps // 2
-    with stdout_to_stderr(), terminal.progress(total, "at other steps") as advance:
+    with stdout_to_stderr(), terminal.progress(total, "at other steps", budget) as advance:
         runner = LevelRunner(BulletWorld, time.perf_counter, files.temporary_file, advance)
         return estimate(plan, spooled.reader, steps, runner)

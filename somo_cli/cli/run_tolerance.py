@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from somo_cli import files, output_files, terminal
+from somo_cli.budget import Budget
 from somo_cli.cli import run_report
 from somo_cli.cli.run_outputs import Targets, metadata_of, write_metadata
 
@@ -25,6 +26,7 @@ def simulate_to_tolerance(
     tolerances: "Tolerances",
     max_halvings: int,
     quiet: bool,
+    budget: Budget,
 ) -> "tuple[RunSummary, bool]":
     """Write the finest of the runs; return its summary, and whether it is within the tolerances.
 
@@ -36,7 +38,7 @@ def simulate_to_tolerance(
         if target not in (None, "-"):
             output_files.refuse_unwritable(target)
     with ExitStack() as stack:
-        found = _refined(prepared, steps, targets, tolerances, max_halvings, stack)
+        found = _refined(prepared, steps, targets, tolerances, max_halvings, stack, budget)
         finest = replace(prepared, plan=found.plan)
         events = None if found.events is None else found.events[1]
         about = metadata_of(finest, found.summary, sets, targets[0], events)
@@ -59,6 +61,7 @@ def _refined(
     tolerances: "Tolerances",
     max_halvings: int,
     stack: ExitStack,
+    budget: Budget,
 ) -> "Refinement":
     from somo_cli.analysis.refinement import Refiner
     from somo_cli.analysis.spooled_run import LevelRunner
@@ -66,7 +69,7 @@ def _refined(
     from somo_cli.simulation.engine.bullet.world import BulletWorld
 
     most = steps // 2 + steps * (2 ** (max_halvings + 1) - 1)
-    with stdout_to_stderr(), terminal.progress(most, "to the tolerance") as advance:
+    with stdout_to_stderr(), terminal.progress(most, "to the tolerance", budget) as advance:
         runner = LevelRunner(BulletWorld, time.perf_counter, files.temporary_file, advance)
         return Refiner(
             prepared.plan,
