@@ -34,6 +34,7 @@ The rooms of the code, each of which knows only those before it (`make map` draw
 - `picture/`: pictures and films without a display.
 - `loading`: from a path to a checked document.
 - `api/`: the public Python API.
+- `sweep/`: a scene run for many sets of parameters.
 - `cli/`: the commands.
 
 `document/` and `manipulator/` are pure: text in, values out. Each library has one home, and

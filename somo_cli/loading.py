@@ -57,6 +57,16 @@ def load_text(
 ) -> Document:
     """Return what `load` does, from a text; the files that it names are relative to `source`."""
     document = _with_parts(parse(text, source), allow_outside, packages or {})
+    return with_overrides(document, sets, allow_outside, packages)
+
+
+def with_overrides(
+    document: Document,
+    sets: Sequence[str],
+    allow_outside: bool = False,
+    packages: Packages | None = None,
+) -> Document:
+    """Return a loaded document with values overridden by `sets`; raises what `load` raises."""
     for assignment in sets:
         document = _with_parts(override(document, assignment), allow_outside, packages or {})
     return document
@@ -133,6 +143,11 @@ def refuse_assembly(document: Document, what_is: str, at: Pointer = ()) -> None:
         message = f"this is an assembly, and {what_is} about one manipulator"
         hint = "give the definition of one of its limbs"
         raise InvalidFile([Problem(place, message, hint)], document.texts)
+
+
+def is_study(document: Document) -> bool:
+    """Return whether a document is meant as a study of a sweep."""
+    return isinstance(document.data, dict) and {"scene", "parameters"} <= document.data.keys()
 
 
 def as_scene(document: Document) -> Document:

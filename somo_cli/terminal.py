@@ -49,6 +49,11 @@ def print_lines(lines: Iterable[str]) -> None:
     _write([("", _escaped(line)) for line in lines])
 
 
+def has_bar() -> bool:
+    """Return whether `progress` shows a bar."""
+    return _is_terminal() and os.environ.get("TERM") != "dumb"
+
+
 @contextmanager
 def progress(
     total: int, description: str, budget: Budget | None = None
@@ -65,7 +70,7 @@ def progress(
         if budget is not None:
             budget.check(f"{description}: {done} of {total} done")
 
-    if not _is_terminal() or os.environ.get("TERM") == "dumb":
+    if not has_bar():
         yield end_if_due
         return
     from rich.console import Console

@@ -96,8 +96,24 @@ COMMANDS = (
         "calibrate", "fit", "shipped/definitions/scene.yaml", "--data", "rows.csv",
         "--parameters", "stiffness", "--columns", "finger.tip.y_m", "--json",
     ),
+    ("sweep", "study.yaml", "-j", "1", "-o", "swept", "--best", "reach"),
 )  # fmt: skip
-RESULTS = ("finger.urdf", "rows.csv", "rows.meta.json", "picture.png", "report/report.csv")
+STUDY = """
+scene: shipped/definitions/scene.yaml
+steps: 10
+parameters:
+  torque: {path: "manipulators[0].actuation[0].waypoints[1][1]", values: [0.01]}
+labels:
+  reach: {of: finger.tip.z_m, take: last}
+"""
+RESULTS = (
+    "finger.urdf",
+    "rows.csv",
+    "rows.meta.json",
+    "picture.png",
+    "report/report.csv",
+    "swept/results.csv",
+)
 
 
 def fast_imports() -> set[str]:
@@ -147,6 +163,7 @@ def test_fast_tests_reach_every_module(tmp_path: Path, environment: dict[str, st
     (tmp_path / "moved.yaml").write_text(MOVED)
     (tmp_path / "poses.csv").write_text(POSES)
     (tmp_path / "forces.csv").write_text(FORCES)
+    (tmp_path / "study.yaml").write_text(STUDY)
     ended = subprocess.run(
         [sys.executable, "-c", COMMANDS_IN_ONE_PROCESS, json.dumps(COMMANDS), "reached.json"],
         cwd=tmp_path,

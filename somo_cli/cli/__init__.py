@@ -19,6 +19,7 @@ from somo_cli.cli import (
     render,
     report,
     run,
+    sweep,
 )
 from somo_cli.cli.application import main
 
@@ -35,4 +36,5 @@ __all__ = [
     "render",
     "report",
     "run",
+    "sweep",
 ]

@@ -39,7 +39,9 @@ if TYPE_CHECKING:
 def check(
     paths: Annotated[
         list[str],
-        typer.Argument(metavar="FILE...", help="Definitions, assemblies, scenes, trajectories."),
+        typer.Argument(
+            metavar="FILE...", help="Definitions, assemblies, scenes, trajectories, studies."
+        ),
     ],
     numerics: Annotated[
         bool,
@@ -110,14 +112,31 @@ def _check_files(paths: Sequence[str], access: "Access", is_strict: bool, as_jso
             is_unreadable = True
             terminal.print_message(f"somo: {error.filename or path}: {error.strerror or error}")
         else:
-            found.extend(loading.check_with_overlaps(document))
-            texts.update(document.texts)
+            problems, read = _problems_of(document, path, access)
+            found.extend(problems)
+            texts.update(read)
     found = list(in_reading_order(found, texts))
     if as_json:
         typer.echo(json.dumps([_plain(problem) for problem in found], indent=2))
     else:
         terminal.print_problems(found, texts)
     raise typer.Exit(5 if is_unreadable else int(_is_found(found, is_strict)))
+
+
+def _problems_of(
+    document: "Document", path: str, access: "Access"
+) -> "tuple[Sequence[Problem], Mapping[str, str]]":
+    """Return the problems of a file, and the texts that they lie in."""
+    from somo_cli import loading
+
+    if not loading.is_study(document):
+        return loading.check_with_overlaps(document), document.texts
+    from somo_cli.sweep import sweep
+
+    try:
+        return (), sweep.load(path, (), access).texts
+    except InvalidFile as error:
+        return error.problems, error.texts
 
 
 def _scene_of(document: "Document", as_json: bool) -> "tuple[Scene, Sequence[Problem]]":

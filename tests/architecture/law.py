@@ -50,9 +50,20 @@ KNOWS: dict[str, set[str]] = {
         "output_files",
         "loading",
     },
+    "sweep": _SCENE
+    | {
+        "scene.checks",
+        "simulation.plan",
+        "files",
+        "output_files",
+        "packages",
+        "loading",
+        "api",
+    },
     "cli": _RUN
     | {
         "api",
+        "sweep",
         "document",
         "scene.checks",
         "simulation.engine.bullet",
@@ -72,7 +83,7 @@ KNOWS: dict[str, set[str]] = {
 """Every room from the ground up, and the rooms that it may import beside itself."""
 
 HOMES: dict[str, tuple[str, ...]] = {
-    "csv": ("analysis.study_export",),
+    "csv": ("analysis.study_export", "sweep.results"),
     "imageio_ffmpeg": ("picture.film",),
     "jsonschema": ("document.schemas", "document.schema_errors", "document.validate"),
     "matplotlib": ("picture.",),
@@ -87,6 +98,7 @@ HOMES: dict[str, tuple[str, ...]] = {
         "analysis.",
         "calibration.",
         "picture.",
+        "sweep.",
         "manipulator.urdf_readback",
     ),
     "pandas": ("api.result",),
