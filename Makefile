@@ -19,7 +19,7 @@ ifneq ($(PYTHON),$(shell cat $(READY) 2>/dev/null))
 endif
 endif
 
-.PHONY: all help sync demo test test-fast test-all check format map golden bench truth contact grasp sliding free-bodies objects predict trust signals extreme studies build clean
+.PHONY: all help sync demo test test-fast test-all check format map golden bench truth contact grasp sliding free-bodies objects predict trust fuzz signals extreme studies build clean
 .DELETE_ON_ERROR:
 
 all: help
@@ -119,6 +119,9 @@ predict: sync ## hold what runs tell of their error against the true one (minute
 
 trust: sync ## run random extreme contact scenes: what is unphysical must be found (minutes)
 	$(RUN) tests.trust
+
+fuzz: sync ## mutate the shipped files 50,000 times, and have check, build and run read them (an hour)
+	$(RUN) tests.robustness.fuzz
 
 signals: sync ## send signals at random moments to every command (minutes)
 	$(RUN) tests.robustness.signals
