@@ -35,6 +35,7 @@ The rooms of the code, each of which knows only those before it (`make map` draw
 - `loading`: from a path to a checked document.
 - `api/`: the public Python API.
 - `sweep/`: a scene run for many sets of parameters.
+- `plot/`: plots of trajectories and of sweeps.
 - `cli/`: the commands.
 
 `document/` and `manipulator/` are pure: text in, values out. Each library has one home, and

@@ -97,6 +97,8 @@ COMMANDS = (
         "--parameters", "stiffness", "--columns", "finger.tip.y_m", "--json",
     ),
     ("sweep", "study.yaml", "-j", "1", "-o", "swept", "--best", "reach"),
+    ("plot", "swept/results.csv", "--lines", "torque", "--value", "reach", "-o", "lines.png"),
+    ("plot", "rows.csv", "-o", "rows.png"),
 )  # fmt: skip
 STUDY = """
 scene: shipped/definitions/scene.yaml

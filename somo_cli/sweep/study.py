@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
 from somo_cli.problems import Pointer
+from somo_cli.scene.column_units import unit_of
 from somo_cli.sweep.expressions import Expression
 from somo_cli.sweep.reductions import Options
 
@@ -55,12 +56,11 @@ class Label:
 
     @property
     def unit(self) -> str | None:
-        """The unit at the end of the column's name, if the value has that unit."""
+        """The unit of the value, if it is that of the column."""
         has_unit = self.take in ("first", "last", "min", "max", "mean", "std", "median", "range")
         if self.column is None or not (has_unit or self.take in ("at", "per_cycle")):
             return None
-        last = self.column.rpartition(".")[2]
-        return last.rpartition("_")[2] if "_" in last else None
+        return unit_of(self.column) or None
 
 
 @dataclass(frozen=True, slots=True)

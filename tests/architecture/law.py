@@ -60,10 +60,12 @@ KNOWS: dict[str, set[str]] = {
         "loading",
         "api",
     },
+    "plot": {"", "problems", "arrays", "document", "scene"},
     "cli": _RUN
     | {
         "api",
         "sweep",
+        "plot",
         "document",
         "scene.checks",
         "simulation.engine.bullet",
@@ -86,7 +88,7 @@ HOMES: dict[str, tuple[str, ...]] = {
     "csv": ("analysis.study_export", "sweep.results"),
     "imageio_ffmpeg": ("picture.film",),
     "jsonschema": ("document.schemas", "document.schema_errors", "document.validate"),
-    "matplotlib": ("picture.",),
+    "matplotlib": ("picture.", "plot."),
     "numpy": (
         "api.",
         "arrays",
@@ -98,6 +100,7 @@ HOMES: dict[str, tuple[str, ...]] = {
         "analysis.",
         "calibration.",
         "picture.",
+        "plot.",
         "sweep.",
         "manipulator.urdf_readback",
     ),

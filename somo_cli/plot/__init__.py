@@ -1,0 +1,1 @@
+"""Plots of trajectories and of sweeps; matplotlib is an extra, and known here and in `picture`."""
