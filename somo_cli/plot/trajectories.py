@@ -11,6 +11,7 @@ from somo_cli.plot.names import Panel, short_names, with_unit
 from somo_cli.scene.column_units import unit_of
 
 _FEW = 8  # lines that a legend can name
+_SHORT = 12  # characters of a name that has room beside another
 _HEIGHT = 1.35  # in
 
 
@@ -65,7 +66,8 @@ def _draw_alone(axes: Any, table: Table, panel: Panel, x: str) -> None:
         )
     if count > 1:
         axes.margins(y=0.15)  # room for the legend
-        axes.legend(ncols=1 if count <= 4 else 2)
+        has_room = 4 < count <= _FEW and max(map(len, names.values())) <= _SHORT
+        axes.legend(ncols=2 if has_room else 1)
 
 
 def _draw_together(
