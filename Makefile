@@ -114,7 +114,7 @@ grasp: sync ## hold grasps against converged ones, over masses, damping, shapes 
 extreme: sync ## run stiff and extreme cases (minutes), and compare with the matrix of before
 	$(RUN) tests.extreme
 
-predict: sync ## hold what runs tell of their error against the true one (minutes)
+predict: sync ## hold errors, tolerances and contact steps against the truth (minutes)
 	$(RUN) tests.predict
 
 trust: sync ## run random extreme contact scenes: what is unphysical must be found (minutes)

@@ -107,9 +107,10 @@ def estimate(
                 levels = [LevelRows(doubled.reader(), stride), own, half]
                 found, order = compare(plan, levels, (1, 2))
     nominal = CONVERGENCE_ORDER[plan.integrator]
+    unknown = ObservedOrder(math.nan, nominal, is_striking=runner.has_struck_limits)
     errors: tuple[ColumnError, ...] = ()
     if found is not None:
-        errors = errors_of_run(plan, found, order, ObservedOrder(math.nan, nominal))
+        errors = errors_of_run(plan, found, order, unknown)
     others = tuple(plan.time_step / factor for factor in factors)
     base = ErrorEstimate(plan.time_step, others, nominal, errors, runner.run_time)
     if order is None or not len(order.ends):
@@ -153,7 +154,7 @@ def _errors(
     for family, scale in zip(families, scales(plan, families, found.range), strict=True):
         seen = unknown
         if order is not None:
-            seen = observed_order(*order.products(family), unknown.nominal)
+            seen = observed_order(*order.products(family), unknown.nominal, unknown.is_striking)
         factor = share(seen)
         for column in family.columns:
             at = column - 1

@@ -201,5 +201,7 @@ class Refiner:
         found, order = compare(self._plan, levels, (last - 1, last))
         if found is None:
             return ()
-        unknown = ObservedOrder(math.nan, nominal, is_irregular=True)
+        unknown = ObservedOrder(
+            math.nan, nominal, is_irregular=True, is_striking=self._runner.has_struck_limits
+        )
         return errors_of_finer_run(self._plan, found, order, unknown)

@@ -84,6 +84,8 @@ class LevelRunner:
         """The run time of all stepping loops so far [s]."""
         self.summary: RunSummary | None = None
         """The summary of the last run that ended."""
+        self.has_struck_limits = False
+        """Whether joints struck their limits in any run."""
         self._open_world = open_world
         self._clock = clock
         self._advance = advance
@@ -109,4 +111,5 @@ class LevelRunner:
             summary = run(spooled.plan, world, take, steps, self._clock, advance, on_event)
         self.summary = spooled.finish(summary)
         self.run_time += summary.wall_time
+        self.has_struck_limits |= summary.struck_limits
         return spooled

@@ -37,6 +37,8 @@ class RunSummary:
     findings: tuple[Finding, ...] = ()
     prediction: PredictionCount = field(default_factory=PredictionCount)
     """How much of the contact forces was predicted."""
+    struck_limits: bool = False
+    """Whether a joint was stopped by a limit that the integrator holds."""
 
 
 @np.errstate(over="ignore", invalid="ignore")  # the divergence monitor reports both
@@ -91,6 +93,7 @@ def run(
         session.deepest,
         session.findings(),
         session.prediction_count,
+        any(one.limits.were_struck for one in session.steppers),
     )
 
 

@@ -7,7 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from somo_cli.analysis.observed_order import IRREGULAR_SHARE, LEAST_ORDER, observed_order
+from somo_cli.analysis.observed_order import (
+    IRREGULAR_SHARE,
+    LEAST_ORDER,
+    STRIKING_SHARE,
+    observed_order,
+)
 
 
 def of(before: np.ndarray, after: np.ndarray, nominal: int = 2):
@@ -55,3 +60,25 @@ def test_runs_that_agree_to_the_last_bit_have_no_order() -> None:
         found = of(before, after)
         assert math.isnan(found.value)
         assert found.share_of_run == pytest.approx(4 / 3)
+
+
+def striking(before: np.ndarray, after: np.ndarray, nominal: int = 2):
+    products = float(before @ before), float(before @ after), float(after @ after)
+    return observed_order(*products, nominal, is_striking=True)
+
+
+@pytest.mark.parametrize(("fall", "order"), [(1.1, 1.0), (2.0, 1.0), (2.2, 1.14), (8.0, 1.25)])
+def test_where_joints_strike_an_order_near_one_is_believed(fall: float, order: float) -> None:
+    """A fall by eight from three runs is chance there, and no third order."""
+    found = striking(fall * CURVE, CURVE)
+    assert found.share_of_run == pytest.approx(1 / (1 - 2**-order), rel=5e-3)
+    assert found.share_of_finer == pytest.approx(found.share_of_run - 1)
+    assert found.expected == pytest.approx(order, rel=5e-3)
+
+
+def test_where_joints_strike_without_an_order_more_is_told() -> None:
+    found = striking(CURVE, np.roll(CURVE, 10))
+    assert found.is_irregular
+    assert found.share_of_run == STRIKING_SHARE
+    assert striking(0 * CURVE, CURVE).share_of_run == 2  # first order, where none is observed
+    assert striking(8 * CURVE, CURVE, nominal=1).share_of_run == 2

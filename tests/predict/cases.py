@@ -8,11 +8,16 @@ from dataclasses import dataclass
 
 from somo_cli.loading import scene_of
 from somo_cli.scene.model import Scene
+from somo_cli.simulation.plan.build import make_plan
 from tests.builders.scenes import DEFINITIONS, scene_from_file
+from tests.grasp.cases import Grasp
 from tests.trust.scenes import random_scenes
 
 SHIPPED_TIME = 0.6  # s
+GRASP_TIME = 1.6  # s
 RANDOM = 30
+STRIKING = 20
+STRIKING_TIME = 0.3  # s
 SEED = 5
 STEPS = (1e-3, 2e-3)  # s, of the random scenes
 ROW = 8e-3  # s
@@ -30,6 +35,37 @@ class Case:
     def steps(self) -> int:
         """The number of time steps."""
         return round(self.duration / self.scene.time_step)
+
+
+TO_TOLERANCE = (
+    "scene", "gait_scene", "gauss_finger_scene", "press_scene", "push_scene", "lift_scene",
+    "pinch_scene", "blocked_force_scene", "crawler_scene", "turn_scene",
+)  # fmt: skip
+"""The shipped scenes that are run to a tolerance: three of free motion, seven with contact."""
+
+
+def to_tolerance() -> list[Case]:
+    """Return the scenes that are run to a tolerance."""
+    by_name = {case.name: case for case in shipped()}
+    return [by_name[name] for name in TO_TOLERANCE]
+
+
+GRASPS = (
+    Grasp(mass_ratio=0.1),
+    Grasp(mass_ratio=100.0),
+    Grasp(damping_ratio=0.02),
+    Grasp("lifted", 4, shape="cube"),
+    Grasp("released", 4, shape="cube"),
+    Grasp("sliding", 4, shape="cube"),
+    Grasp("held", 4, shape="capsule"),
+)
+"""Those of the grasp bench whose recommended step is held against the step that they need."""
+
+
+def with_contact() -> list[Case]:
+    """Return the shipped scenes where bodies can touch, and a part of the grasp bench."""
+    grasps = [Case(one.name, one.scene(1e-3), GRASP_TIME) for one in GRASPS]
+    return [*(case for case in shipped() if make_plan(case.scene).can_touch), *grasps]
 
 
 def cases() -> list[Case]:
@@ -71,6 +107,28 @@ def _free(draw: random.Random, number: int) -> Case:
     scene = scene_from_file("scene.yaml", *sets)
     scene = dataclasses.replace(scene, time_step=draw.choice(STEPS))
     return _case(f"{number:03d}_free", scene, SHIPPED_TIME)
+
+
+def striking() -> list[Case]:
+    """Return fingers whose joints strike limits: driven by random waves, or pressed into them."""
+    draw = random.Random(SEED)
+    return [_striking(draw, number, bool(number % 2)) for number in range(STRIKING)]
+
+
+def _striking(draw: random.Random, number: int, is_pressed: bool) -> Case:
+    limit = draw.uniform(0.02, 0.25)  # rad
+    torque, frequency = 10 ** draw.uniform(-1.3, -0.3), 10 ** draw.uniform(-0.3, 1)
+    actuator = "manipulators[0].definition.actuator_definitions[0]"
+    wave = f"wave: {{amplitude: {torque:.4g}, frequency: {frequency:.3g}}}"
+    drive = f"torque: {torque:.4g}" if is_pressed else wave
+    scene = scene_from_file(
+        "scene.yaml",
+        f"{actuator}.n_segments={draw.choice((5, 10, 20))}",
+        f"{actuator}.joint_definitions[0].limits=[{-limit:.4g}, {limit:.4g}, 3, 20]",
+        f"manipulators[0].actuation=[{{actuator: 0, axis: 0, {drive}}}]",
+    )
+    scene = dataclasses.replace(scene, time_step=draw.choice((1e-3, 2e-3, 4e-3)))
+    return _case(f"{number:03d}_{'pressed' if is_pressed else 'striking'}", scene, STRIKING_TIME)
 
 
 def _case(name: str, scene: Scene, duration: float) -> Case:

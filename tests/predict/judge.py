@@ -13,6 +13,7 @@ from somo_cli.analysis.error_estimate import estimate, finer_plan
 from somo_cli.analysis.level_comparison import LevelRows, compare
 from somo_cli.analysis.spooled_run import LevelRunner
 from somo_cli.analysis.stability import forecast_of, predicted_error
+from somo_cli.analysis.verdict import CONVERGED
 from somo_cli.problems import SimulationDiverged
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.build import make_plan
@@ -38,6 +39,16 @@ class Told:
     told: tuple[float, ...] = ()
     true: tuple[float, ...] = ()
     expected: float = math.nan
+
+    @property
+    def is_told_converged(self) -> bool:
+        """Whether no error is told to be above 1 % of its range."""
+        return bool(self.told) and max(self.told) <= CONVERGED
+
+    @property
+    def is_elsewhere(self) -> bool:
+        """Whether the true run has another outcome."""
+        return bool(self.true) and max(self.true) >= UNCONVERGED
 
     @property
     def ratios(self) -> tuple[float, ...]:

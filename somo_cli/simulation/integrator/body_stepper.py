@@ -59,13 +59,13 @@ class BodyStepper:
         self.actuation = BodyActuation(body, torques, loads)
         self.energy = BodyEnergy(body, springs, plan.gravity)
         self.work = JointWork(self.law, torques, self.base, self.energy)
-        limits = JointLimits(joints)
+        self.limits = JointLimits(joints)
         self._refresh_policy = RefreshPolicy(plan.time_step, plan.can_touch)
-        self.inertia = JointInertia(world_body, self.law, limits, self._refresh_policy)
+        self.inertia = JointInertia(world_body, self.law, self.limits, self._refresh_policy)
         self.mass_at_start: Array = self.inertia.matrix
         self.max_rate = 0.0  # rad/s
         self.law_stepper = LawStepper(
-            self.law, self.base, self.inertia, limits, self._refresh_policy
+            self.law, self.base, self.inertia, self.limits, self._refresh_policy
         )
         self._gravity = plan.gravity
         self._dynamics: ChainDynamics | None = None

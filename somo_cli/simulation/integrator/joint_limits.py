@@ -26,6 +26,8 @@ class JointLimits:
         limited = [joint.is_limited for joint in joints]
         self.lower: Array = np.where(limited, [joint.lower for joint in joints], -np.inf)
         self.upper: Array = np.where(limited, [joint.upper for joint in joints], np.inf)
+        self.were_struck = False
+        """Whether a joint would have passed a limit in any step so far."""
 
     def clearance(self, angles: Array) -> float:
         """Return the least distance of a joint from a limit [rad]."""
@@ -43,6 +45,7 @@ class JointLimits:
         coming = time_step * (rates + time_step * acceleration)
         if not np.minimum(above - coming, coming - below).min() < 0:
             return None
+        self.were_struck = True
         np.multiply(above, LIMIT_ERP, out=above, where=above < 0)
         np.multiply(below, LIMIT_ERP, out=below, where=below > 0)
         highest, lowest = ((angle / time_step - rates) / time_step for angle in (above, below))
