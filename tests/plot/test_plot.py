@@ -12,6 +12,7 @@ from somo_cli.plot import canvas, names, sweeps, trajectories
 from somo_cli.plot.sweep_table import is_class, read_sweep_table
 from somo_cli.problems import InvalidFile
 from somo_cli.scene.column_units import unit_of
+from somo_cli.scene.quantities import BODY_COLUMNS, OBJECT_COLUMNS
 from tests.builders.command import Somo
 
 pytest.importorskip("matplotlib")
@@ -42,13 +43,26 @@ def table() -> Table:
 @pytest.mark.parametrize(
     ("column", "unit"),
     [
-        *(("a.tip.x_m", "m"), ("b.velocity.x_m_s", "m/s"), ("c.normal_n", "N"), ("time_s", "s")),
-        *(("a.joint_01.rate_rad_s", "rad/s"), ("a.pose.qx", ""), ("a.torque_nm", "N·m")),
+        *(
+            ("a.tip.x_m", "m"),
+            ("b.velocity.x_m_per_s", "m/s"),
+            ("c.normal_n", "N"),
+            ("time_s", "s"),
+        ),
+        *(("a.joint_01.rate_rad_per_s", "rad/s"), ("a.pose.qx", ""), ("a.torque_nm", "N·m")),
         *(("a.contact.ball.friction_x_n", "N"), ("a.energy.kinetic_j", "J")),
     ],
 )
 def test_units(column: str, unit: str) -> None:
     assert unit_of(column) == unit
+
+
+def test_every_column_that_can_be_recorded_has_its_unit() -> None:
+    parts = [
+        part for one in (BODY_COLUMNS, OBJECT_COLUMNS) for x in one.values() for part in x.parts
+    ]
+    without = {part.rpartition(".")[2] for part in parts if not unit_of(f"a.{part}")}
+    assert without == {"qx", "qy", "qz", "qw"}
 
 
 def test_a_trajectory_has_its_standard_panels(table: Table) -> None:
