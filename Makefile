@@ -19,7 +19,7 @@ ifneq ($(PYTHON),$(shell cat $(READY) 2>/dev/null))
 endif
 endif
 
-.PHONY: all help sync demo test test-fast test-all check format map golden bench truth contact grasp sliding free-bodies objects predict trust fuzz signals extreme studies build clean
+.PHONY: all help sync demo test test-fast test-all check format map golden bench truth contact grasp sliding free-bodies objects predict trust faults fuzz signals extreme studies build clean
 .DELETE_ON_ERROR:
 
 all: help
@@ -119,6 +119,9 @@ predict: sync ## hold errors, tolerances and contact steps against the truth (mi
 
 trust: sync ## run random extreme contact scenes: what is unphysical must be found (minutes)
 	$(RUN) tests.trust
+
+faults: sync ## have every system call of every command fail that writes (minutes; needs strace)
+	$(RUN) tests.robustness.faults
 
 fuzz: sync ## mutate the shipped files 50,000 times, and have check, build and run read them (an hour)
 	$(RUN) tests.robustness.fuzz

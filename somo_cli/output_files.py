@@ -180,8 +180,10 @@ def _open_locked(path: Path) -> int:
             _lock(raw)
             # another run may have renamed the file after it was opened here
             with suppress(FileNotFoundError):
-                if os.path.samestat(os.fstat(raw), path.stat()):
-                    os.ftruncate(raw, 0)
+                found = os.fstat(raw)
+                if os.path.samestat(found, path.stat()):
+                    if found.st_size:
+                        os.ftruncate(raw, 0)
                     return raw
         except BaseException:
             os.close(raw)

@@ -21,7 +21,7 @@ _LINE = re.compile(r"\S.*:\d+:\d+: (?:error|warning|info): \S|    |  hint: |somo
 _INTERNAL = re.compile(
     r"Traceback|NoneType|object (?:is not|has no)|list index|arg is an empty|math domain|"
     r"could not convert|not supported between|unexpected keyword|broadcast|singular matrix|"
-    r"KeyError|b3[A-Z]|division by zero|out of range for|<class|0x[0-9a-f]{8}"
+    r"KeyError|b3[A-Z]|division by zero|out of range for|<class| at 0x[0-9a-f]{8}"
 )
 CODES = {"check": {0, 1}, "build": {0, 3}, "run": {0, 3, 4}}
 
