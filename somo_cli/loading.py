@@ -106,9 +106,18 @@ def refuse_trajectory(document: Document) -> None:
         raise InvalidFile([Problem(place, message, hint)], document.texts)
 
 
+def refuse_study(document: Document) -> None:
+    """Raise InvalidFile if the document is a study of a sweep, not a definition or a scene."""
+    if is_study(document):
+        place = document.span(("scene",), key=True)
+        message = "this is a study, not a manipulator definition or a scene"
+        raise InvalidFile([Problem(place, message, "somo sweep runs it")], document.texts)
+
+
 def refuse_scene(document: Document) -> None:
     """Raise InvalidFile if the document is a scene or a trajectory, not a definition."""
     refuse_trajectory(document)
+    refuse_study(document)
     if scene_model.is_scene(document):
         place = document.span(("manipulators",), key=True)
         hint = "somo run takes scenes; build the definitions that this one names"
@@ -168,6 +177,7 @@ def scene_of(
     `time_step` [s] replace what the scene says; for "auto" the recommended time step is taken.
     """
     refuse_trajectory(document)
+    refuse_study(document)
     if not scene_model.is_scene(document):
         problems = compiler.document_problems(document)
         if has_errors(problems):

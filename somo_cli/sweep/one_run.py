@@ -26,6 +26,10 @@ from somo_cli.sweep.label_values import is_kept, label_values
 from somo_cli.sweep.study import Point, Study
 
 
+class ColumnMissing(SomoError):
+    """A set of parameters whose scene has no column that a label needs."""
+
+
 @dataclass(frozen=True, slots=True)
 class Outcome:
     """How a run ended.
@@ -115,7 +119,10 @@ class StudyRunner:
         columns = [*self.study.columns]
         if self.study.keep is not False:
             columns = [*header(make_plan(found).recorded)[1:], *columns]
-        return select_by_patterns(found, list(dict.fromkeys(columns))) if columns else found
+        try:
+            return select_by_patterns(found, list(dict.fromkeys(columns))) if columns else found
+        except ValueError as error:
+            raise ColumnMissing(str(error)) from error
 
 
 def path_of(pointer: Pointer) -> str:
@@ -130,4 +137,5 @@ def _failed(error: SomoError | OSError, run_time: float = 0.0) -> Outcome:
         problems = [one for one in error.problems if one.severity == "error"] or error.problems
         log = "\n".join(map(str, problems))
         return Outcome("invalid", reason=problems[0].message, log=log)
-    return Outcome("failed", reason=str(error), log=str(error))
+    status = "invalid" if isinstance(error, ColumnMissing) else "failed"
+    return Outcome(status, reason=str(error), log=str(error))

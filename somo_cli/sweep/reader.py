@@ -10,7 +10,7 @@ from somo_cli.document.table import Table
 from somo_cli.document.validate import schema_problems
 from somo_cli.problems import InvalidFile, Problem, SomoError, in_reading_order
 from somo_cli.scene.checks.recording import select_by_patterns
-from somo_cli.scene.model import Scene
+from somo_cli.scene.model import Scene, is_scene
 from somo_cli.sweep import label_reader, parameter_reader, points
 from somo_cli.sweep.expressions import Expression
 from somo_cli.sweep.study import Combination, Label, Parameter, Point, Study
@@ -18,6 +18,9 @@ from somo_cli.sweep.study import Combination, Label, Parameter, Point, Study
 
 def shape_problems(document: Document) -> tuple[Problem, ...]:
     """Return how a document does not fit the schema of a study."""
+    if is_scene(document):
+        hint = "a study names it as its scene"
+        return (Problem(document.span(()), "this is a scene, not a study", hint),)
     found = [one.problem for one in schema_problems(document, "study")]
     if not found:
         found += _conflicts(document)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from somo_cli import loading
 from somo_cli.packages import Access
 from somo_cli.problems import InvalidFile
 from somo_cli.sweep import sweep
@@ -94,6 +95,15 @@ LABELS = "labels:\n  rise: {of: cube.pose.z_m, take: last}\n"
 def test_what_is_wrong_with_a_study(study: Path, text: str, message: str) -> None:
     (found,) = messages(study, HEAD + text + LABELS)
     assert found.startswith(message)
+
+
+def test_a_scene_is_no_study_and_a_study_no_scene(study: Path) -> None:
+    assert messages(study, "manipulators: []\n") == ["1:1 this is a scene, not a study"]
+    study.write_text(HEAD + PARAMETER + LABELS, "utf-8")
+    document = loading.load(str(study))
+    for refuse in (loading.scene_of, loading.refuse_scene):
+        with pytest.raises(InvalidFile, match="this is a study, not a manipulator definition"):
+            refuse(document)
 
 
 def test_faults_of_the_scene_are_at_their_place_in_it(study: Path) -> None:

@@ -124,6 +124,30 @@ def test_failures_are_rows_and_can_be_done_again(somo: Somo, here: Path) -> None
 
 
 @pytest.mark.moderate
+def test_a_file_may_vary_and_a_column_may_be_missing(somo: Somo, here: Path) -> None:
+    text = STUDY.replace(
+        "labels:",
+        """  name: {path: "manipulators[0].name", values: [finger, thumb]}
+  which: {path: "manipulators[0].definition", values: [finger.yaml, nothing.yaml]}
+labels:""",
+    )
+    text = text.replace("values: [8, 10]", "values: [10]").replace(
+        "values: [0.01, 0.02]", "values: [0.01]"
+    )
+    (here / "study.yaml").write_text(
+        text.replace('"definition(finger.yaml).', '"').replace(
+            '"actuator_definitions', '"manipulators[0].definition.actuator_definitions'
+        ),
+        "utf-8",
+    )
+    somo("sweep", "study.yaml", "-q", cwd=here)
+    rows = table(here / "study_results")
+    assert [row["status"] for row in rows] == ["done", "invalid", "invalid", "invalid"]
+    assert rows[1]["reason"].startswith("cannot read 'nothing.yaml'")
+    assert rows[2]["reason"].startswith("no column matches 'finger.tip.")
+
+
+@pytest.mark.moderate
 def test_a_killed_sweep_goes_on_with_the_same_table(
     somo: Somo, here: Path, environment: dict[str, str]
 ) -> None:
