@@ -54,14 +54,13 @@ def test_a_tolerance_is_kept_and_its_cost_is_told() -> None:
 
 
 @pytest.mark.slow
-def test_the_recommended_step_of_a_pinch_has_no_finding_and_is_not_far_too_fine() -> None:
-    (case,) = (one for one in with_contact() if one.name == "pinch_scene")
+def test_the_recommended_step_of_a_turned_bar_has_no_finding_and_is_not_far_too_fine() -> None:
+    (case,) = (one for one in with_contact() if one.name == "turn_scene")
     found = climbed(case)
     assert found.recommended == 1e-3
     assert found.own.holds
-    assert found.times_too_fine >= 1
-    errors = [one.error for one in found.rungs]
-    assert errors == sorted(errors, reverse=True)
+    assert 1 <= found.times_too_fine <= 4
+    assert found.rungs[0].error > found.own.error > found.rungs[-1].error
 
 
 def test_a_step_holds_if_it_and_all_smaller_ones_do() -> None:

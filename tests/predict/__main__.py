@@ -71,7 +71,7 @@ def _tolerance(processes: ProcessPoolExecutor) -> None:
     head = f"{'':24}{'contact':>8}{'asked':>8}{'told':>10}{'true':>10}{'step [s]':>10}{'cost':>7}"
     print(head)
     for one in processes.map(kept, to_tolerance()):
-        print(_kept_row(one))
+        print(_kept_row(one), flush=True)
 
 
 def _kept_row(one: Kept) -> str:
@@ -92,9 +92,10 @@ def _steps(processes: ProcessPoolExecutor) -> None:
         "within 1 % of the finest"
     )
     print(f"{'':42}{'step [s]':>10}{'error':>9}{'times':>7}")
-    found = list(processes.map(climbed, with_contact()))
-    for one in found:
-        print(_ladder_row(one))
+    found = []
+    for one in processes.map(climbed, with_contact()):
+        print(_ladder_row(one), flush=True)
+        found.append(one)
     settled = [one for one in found if one.is_settled]
     fine = sum(one.times_too_fine <= 4 for one in settled)
     coarse = sum(one.times_too_fine < 1 for one in settled)

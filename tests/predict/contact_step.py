@@ -18,6 +18,7 @@ from somo_cli.analysis.spooled_run import LevelRunner
 from somo_cli.analysis.stability import recommended_step
 from somo_cli.arrays import Array
 from somo_cli.problems import SimulationDiverged
+from somo_cli.scene import columns
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
@@ -101,12 +102,23 @@ def _rung(plan: Plan, step: float, factor: float, intervals: int, reference: Arr
     differences.add(*common_rows([rows, reference]))
     found = differences.differences()
     scales = _scales(plan, differences.families, found.range)
+    names = columns.header(plan.recorded)
     worst = max(
-        float(found.judged[[column - 1 for column in family.columns]].max()) / scales[family.unit]
+        float(found.judged[column - 1]) / scales[family.unit]
         for family in differences.families
-        if scales[family.unit] > 0
+        for column in family.columns
+        if scales[family.unit] > 0 and not _is_undetermined(names[column], family)
     )
     return Rung(factor * step, findings, worst)
+
+
+def _is_undetermined(name: str, family: ColumnFamily) -> bool:
+    """Whether a column is a force of which friction may hold any share.
+
+    Four fingers around a cube may rub against each other with either sign: no step decides that.
+    Normal forces are judged.
+    """
+    return family.measure == "impulse" and not name.endswith(".normal_n")
 
 
 def _scales(plan: Plan, families: Sequence[ColumnFamily], ranges: Array) -> dict[str, float]:
