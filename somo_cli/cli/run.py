@@ -120,6 +120,14 @@ def run(
             help="Load shapes, solve constraints and read state that no result needs, as a check.",
         ),
     ] = False,
+    is_guarded: Annotated[
+        bool,
+        typer.Option(
+            "--guarded",
+            help="Simulate in a process of its own: if the engine dies, exit with 4 and keep the "
+            "rows so far.",
+        ),
+    ] = False,
     max_seconds: SecondsOption = None,
     max_memory: MemoryOption = None,
     sets: SetOption = None,
@@ -145,6 +153,10 @@ def run(
     target = output or f"{Path(scene).stem}.csv"
     targets = target, target_of_events(planned, target, events)
     refuse_unsafe(document.texts, outputs_of(targets))
+    if is_guarded:
+        from somo_cli.cli.run_guarded import go_on_in_child
+
+        go_on_in_child(scene, targets)
     from somo_cli.api import runs
     from somo_cli.simulation import plan_report
 

@@ -39,6 +39,11 @@ COMMANDS = {
         frozenset({"a.csv", "e.csv"}),
         frozenset({"a.meta.json"}),
     ),
+    "run --guarded": Command(
+        ("run", "push_scene.yaml", "--steps", "800", "--guarded", "-o", "a.csv"),
+        frozenset({"a.csv"}),
+        frozenset({"a.meta.json"}),
+    ),
     "run --error": Command(
         ("run", "scene.yaml", "--steps", "400", "--error", "-o", "a.csv"),
         frozenset({"a.csv"}),
