@@ -25,6 +25,9 @@ MAX_LENGTH = 1000
 CONSTANTS = {"pi": math.pi, "true": True, "false": False, "True": True, "False": False}
 FUNCTIONS: dict[str, Callable[..., float]] = {
     "abs": abs,
+    "round": round,
+    "floor": math.floor,
+    "ceil": math.ceil,
     "min": min,
     "max": max,
     "sqrt": math.sqrt,

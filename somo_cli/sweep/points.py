@@ -116,7 +116,10 @@ def _between(bounds: tuple[float, float], share: float, is_log: bool) -> float:
 
 
 def _with_expressions(parameters: Sequence[Parameter], point: dict[str, Any]) -> dict[str, Any]:
-    """Return a set with the values of expressions, in the order of the parameters."""
+    """Return a set with the values of expressions, in the order of the parameters.
+
+    Whole values are integers, as those of a table: a scene may ask for a number of segments.
+    """
     waiting = {one.name: one.expression for one in parameters if one.expression is not None}
     while waiting:
         ready = next((name for name, one in waiting.items() if one.names <= point.keys()), None)
@@ -126,5 +129,6 @@ def _with_expressions(parameters: Sequence[Parameter], point: dict[str, Any]) ->
         known = {name: point[name] for name in expression.names}
         if not all(isinstance(value, int | float) for value in known.values()):
             raise ExpressionError(f"'{expression.text}' needs numbers")
-        point[ready] = expression.value(known)
+        value = expression.value(known)
+        point[ready] = value if isinstance(value, bool) else whole_as_integer(value)
     return {one.name: point[one.name] for one in parameters}

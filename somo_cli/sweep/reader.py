@@ -11,6 +11,7 @@ from somo_cli.document.validate import schema_problems
 from somo_cli.problems import InvalidFile, Problem, SomoError, in_reading_order
 from somo_cli.scene.checks.recording import select_by_patterns
 from somo_cli.scene.model import Scene, is_scene
+from somo_cli.scene.pose_table import TIME
 from somo_cli.sweep import label_reader, parameter_reader, points
 from somo_cli.sweep.expressions import Expression
 from somo_cli.sweep.study import Combination, Label, Parameter, Point, Study
@@ -77,7 +78,7 @@ def _column_problems(
 ) -> Iterator[Problem]:
     """Yield a problem for each label of a column that the scene does not have."""
     for one in labels:
-        if one.column is None:
+        if one.column in (None, TIME):
             continue
         place = document.span(("labels", one.name, "of"))
         if any(character in one.column for character in "*?["):

@@ -8,6 +8,7 @@ from typing import Any, Literal, TypeAlias
 
 from somo_cli.problems import Pointer
 from somo_cli.scene.column_units import unit_of
+from somo_cli.scene.pose_table import TIME
 from somo_cli.sweep.expressions import Expression
 from somo_cli.sweep.reductions import Options
 
@@ -86,8 +87,9 @@ class Study:
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """The columns that labels need, each once."""
-        return tuple(dict.fromkeys(one.column for one in self.labels if one.column is not None))
+        """The columns that labels need beside the time, each once."""
+        named = (one.column for one in self.labels if one.column is not None)
+        return tuple(dict.fromkeys(column for column in named if column != TIME))
 
     @property
     def header(self) -> tuple[str, ...]:

@@ -38,6 +38,16 @@ def test_expressions_follow_in_any_order() -> None:
         combined([TWICE, loop], "grid")
 
 
+def test_whole_values_of_expressions_are_integers() -> None:
+    """A number of segments may be an expression: 20 - distal."""
+    rest = Parameter("rest", (), "expression", expression=parse_expression("20 - a"))
+    half = Parameter("half", (), "expression", expression=parse_expression("a / 2"))
+    near = Parameter("near", (), "expression", expression=parse_expression("round(a / 3)"))
+    first, second = combined([A, rest, half, near], "grid")
+    assert repr(first) == "{'a': 1, 'rest': 19, 'half': 0.5, 'near': 0}"
+    assert repr(second) == "{'a': 2, 'rest': 18, 'half': 1, 'near': 1}"
+
+
 def test_spacing_has_exact_ends() -> None:
     assert spaced(0.034, 0.046, 4, False) == (0.034, 0.038, 0.042, 0.046)
     assert spaced(3e4, 6e4, 4, False) == (3e4, 4e4, 5e4, 6e4)

@@ -119,3 +119,11 @@ def test_a_thousand_sets_of_a_sound_study(study: Path) -> None:
     assert len(loaded.study.points) == 1000
     assert loaded.study.points[-1] == {"a": 5.0}
     assert loaded.study.steps_at(1e-3) == 1500
+
+
+@pytest.mark.parametrize("path", sorted(DEFINITIONS.glob("*study.yaml")), ids=lambda path: path.stem)
+def test_shipped_studies_compile(path: Path) -> None:
+    loaded = sweep.load(str(path), (), Access())
+    runner = loaded.runner("")
+    for point in (loaded.study.points[0], loaded.study.points[-1]):
+        assert runner.check(point).reason == ""

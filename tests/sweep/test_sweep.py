@@ -31,6 +31,7 @@ parameters:
 labels:
   reach: {of: finger.tip.z_m, take: last}
   bend: {of: finger.tip.y_m}
+  end: {of: time_s, take: last}
   is_short: reach < 0.09
   most: max(bend) - min(bend)
 """
@@ -62,11 +63,12 @@ def test_a_study_is_one_table_whatever_the_number_of_workers(somo: Somo, here: P
     assert ended.stderr == "study_results/results.csv: 4 runs: 4 done\n"
     rows = table(here / "study_results")
     assert list(rows[0]) == [
-        *("run", "segments", "torque", "length", "reach", "is_short", "most"),
+        *("run", "segments", "torque", "length", "reach", "end", "is_short", "most"),
         *("status", "findings", "reason"),
     ]
     assert [row["segments"] for row in rows] == ["8", "8", "10", "10"]
     assert [row["length"] for row in rows] == ["0.08", "0.08", "0.1", "0.1"]
+    assert {row["end"] for row in rows} == {"0.05"}
     assert [row["is_short"] for row in rows] == ["true", "true", "false", "false"]
     assert float(rows[1]["most"]) > float(rows[0]["most"]) > 0
     assert sorted(path.name for path in (here / "study_results").iterdir()) == [
@@ -74,7 +76,7 @@ def test_a_study_is_one_table_whatever_the_number_of_workers(somo: Somo, here: P
     ]
     about = json.loads((here / "study_results" / "study.json").read_text("utf-8"))
     assert about["runs"] == 4
-    assert about["labels"][0] == {"name": "reach", "unit": "m"}
+    assert about["labels"][:2] == [{"name": "reach", "unit": "m"}, {"name": "end", "unit": "s"}]
     assert set(about["identity"]["inputs"]) == {"scene.yaml", "finger.yaml"}
     assert somo("sweep", "study.yaml", "-j", "1", "-o", "one", "-q", cwd=here).returncode == 0
     assert table(here / "one") == rows
@@ -200,7 +202,7 @@ def test_parts_of_a_sweep_are_merged_to_its_table(somo: Somo, here: Path) -> Non
         cwd=here,
     )
     header, *lines = (line.split() for line in best.stdout.splitlines())
-    assert header == ["run", "segments", "torque", "length", "reach", "is_short", "most"]
+    assert header == ["run", "segments", "torque", "length", "reach", "end", "is_short", "most"]
     assert [line[0] for line in lines] == ["2", "3"]
 
 
