@@ -121,7 +121,9 @@ def test_a_thousand_sets_of_a_sound_study(study: Path) -> None:
     assert loaded.study.steps_at(1e-3) == 1500
 
 
-@pytest.mark.parametrize("path", sorted(DEFINITIONS.glob("*study.yaml")), ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path", sorted(DEFINITIONS.glob("*study.yaml")), ids=lambda path: path.stem
+)
 def test_shipped_studies_compile(path: Path) -> None:
     loaded = sweep.load(str(path), (), Access())
     runner = loaded.runner("")
