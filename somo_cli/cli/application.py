@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 
 EXIT_CODES = """Exit codes: 0 success; 1 a check found problems, or a run is not within its
 tolerance; 2 wrong usage; 3 the definition, scene or recording is invalid; 4 the simulation
-diverged; 5 a file cannot be read or written, or the engine or an extra is missing; 6 the time
-or memory of --max-seconds or --max-memory is spent; 130 interrupted; 143 or 129 ended by SIGTERM or
-SIGHUP. A closed pipe ends a run quietly, with 0."""
+diverged, or the engine died in a --guarded run; 5 a file cannot be read or written, or the engine
+or an extra is missing; 6 the time or memory of --max-seconds or --max-memory is spent; 130
+interrupted; 143 or 129 ended by SIGTERM or SIGHUP. A closed pipe ends a run quietly, with 0."""
 
 MAX_STEPS = 1e8
 """The most time steps of a picture or a report, whose number follows from a time: hours of work."""
