@@ -27,17 +27,17 @@ MotionFrame = Literal["start", "world"]
 
 NO_DISPLACEMENT = ((0.0, 0.0, 0.0, 0.0),)  # at all times
 POSITION_CHANNELS, POSE_CHANNELS = 3, 6
-"""Channels of a trajectory that is a motion: x, y, z [m], and then roll, pitch, yaw [rad]."""
+"""Channels of a trajectory used as motion: x, y, z [m], then roll, pitch, yaw [rad]."""
 
 
 @dataclass(frozen=True, slots=True)
 class PrescribedMotion:
     """Translation and rotation over time, along the axes of the world frame.
 
-    The rotation is by roll, pitch and yaw, or by unit `quaternions` (x, y, z, w) if there are any,
-    about the point `about` of the world, or about the frame's own origin; the translation comes
-    after it and carries that point along. With the frame "world" both are relative to the world,
-    not to the start: they are the pose.
+    The rotation is given by roll, pitch and yaw, or by unit `quaternions` (x, y, z, w) if there are
+    any. It is about the world point `about`, or about the frame's origin if that is None. The
+    translation follows it. With the frame "start" both are relative to the start pose; with the
+    frame "world" they are the pose itself.
     """
 
     translation: tuple[tuple[Time, Length, Length, Length], ...]
@@ -49,9 +49,9 @@ class PrescribedMotion:
     frame: MotionFrame = "start"
 
     def path_from(self, start: Pose) -> PosePath:
-        """Return the poses over time of a frame that starts there, all in one set of units.
+        """Return the path of a frame that starts at `start`, which has the units of this motion.
 
-        With the frame "world" the motion says where it starts.
+        With the frame "world" the motion gives the start, and `start` is ignored.
         """
         translation = vector_signal(self.translation, self.interpolation, self.repeat)
         rotation = self._rotation_signal()
@@ -100,7 +100,7 @@ class PosePath:
         return self._pose((x.at(time), y.at(time), z.at(time)), turn)
 
     def pose_before_start(self, time: float) -> Pose:
-        """Return the pose a time [s] before the start, of a frame that moves as at the start."""
+        """Return the pose a time [s] before the start, extrapolated from the motion there."""
         turn = self.rotation.rotation(
             [_extrapolated(one, -time) for one in self.rotation.components]
         )
@@ -108,13 +108,13 @@ class PosePath:
         return self._pose(geometry.vector(displacement), turn)
 
     def constant_until(self, time: float) -> float:
-        """Return the time [s] up to which the pose stays what it is at `time`."""
+        """Return the time [s] until which the pose stays as it is at `time`."""
         return min(
             one.constant_until(time) for one in (*self.translation, *self.rotation.components)
         )
 
     def stationary_until(self, time: float, step: float) -> float:
-        """Return the time [s] until which the pose one step later still equals that at `time`."""
+        """Return the time [s] until which no step [s] changes the pose; `time` if the next does."""
         return max(time, self.constant_until(time) - step)
 
     def _pose(self, displacement: Vector, turn: Matrix | None) -> Pose:
@@ -128,7 +128,7 @@ class PosePath:
 def read_motion(
     data: Mapping[str, Any], trajectories: Mapping[str, Trajectory] | None = None
 ) -> PrescribedMotion:
-    """Return the motion of a checked mapping: by waypoints, a file, or a trajectory."""
+    """Return the motion of a checked mapping, from its waypoints, file or trajectory."""
     about = geometry.vector(data["about"]) if "about" in data else None
     repeat = bool(data.get("repeat", False))
     frame: MotionFrame = data.get("frame", "start")
@@ -164,7 +164,7 @@ def start_pose_of(
 ) -> tuple[Vector, Vector]:
     """Return position [m] and roll, pitch, yaw [rad] at the start of a manipulator or object.
 
-    `data` is the mapping that describes it; a motion with the frame "world" says where it starts.
+    `data` is the mapping that describes it. A motion with the frame "world" gives the start itself.
     """
     if motion is not None and motion.frame == "world":
         return motion.start_in_world()
@@ -179,7 +179,7 @@ def vector_signal(
     interpolation: MotionInterpolation,
     repeat: bool,
 ) -> VectorSignal:
-    """Return a signal for each of three numbers through [time, three numbers]."""
+    """Return one signal for each of three components through points (time, x, y, z)."""
     x, y, z = component_signals(points, interpolation, repeat)
     return x, y, z
 
@@ -187,8 +187,8 @@ def vector_signal(
 def component_signals(
     points: Sequence[Sequence[float]], interpolation: MotionInterpolation, repeat: bool
 ) -> list[PiecewiseSignal]:
-    """Return a signal for each number through [time, numbers]."""
-    repeats = repeat and len(points) > 1  # rest has no period
+    """Return one signal for each component through points (time, components)."""
+    repeats = repeat and len(points) > 1  # a single point has no period
     times, *components = zip(*points, strict=True)
     return [
         signals.piecewise_signal(list(zip(times, values, strict=True)), interpolation, repeats)
@@ -202,7 +202,7 @@ def _shifted(one: PiecewiseSignal, by: float) -> PiecewiseSignal:
 
 
 def _extrapolated(one: PiecewiseSignal, time: float) -> float:
-    """Return the value at a time [s] of the piece in which time zero lies, without its ends."""
+    """Return the value at a time [s] of the piece at time zero, extended beyond its ends."""
     index = bisect_right(one.times, 0.0) - 1
     if index < 0:
         return one.pieces[0][0]

@@ -56,7 +56,7 @@ def _self_collision_decision(plan: Plan) -> Decision:
 
 
 def marker_decisions(plan: Plan) -> Iterator[Decision]:
-    """Yield what is left out of objects that nothing touches."""
+    """Yield what is left out for objects that nothing touches."""
     markers = [one.rigid_object.name for one in plan.objects if not one.rigid_object.collides]
     if markers:
         yield Decision("collisions of markers", False, f"collides is false of {', '.join(markers)}")

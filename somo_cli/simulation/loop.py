@@ -50,7 +50,7 @@ class SimulationLoop:
         self._assembler = assembler
         self._contact_monitor = contact_monitor
         self.is_steady = False
-        """Whether nothing that acts changed in the last `advance`."""
+        """Whether torques and loads stayed the same in the last `advance`."""
         is_foreseen = bool(plan.bodies) and plan.can_touch and plan.integrator != "explicit"
         self._prediction = (
             ContactPrediction(plan, world, world.contact_reader(), body_steppers)
@@ -64,11 +64,11 @@ class SimulationLoop:
         if self._prediction is not None:
             self._applies_at_check = [partial(self._prediction.apply, True)]
             self._applies_between = [partial(self._prediction.apply, False)]
-        self._steady_until = -math.inf  # s: until then nothing that acts changes
+        self._steady_until = -math.inf  # s: until then torques and loads stay the same
 
     @property
     def prediction_count(self) -> PredictionCount:
-        """In how many steps contact forces were predicted so far."""
+        """The number of steps so far in which contact forces were predicted."""
         return PredictionCount() if self._prediction is None else self._prediction.count
 
     def actuate(self, step: int) -> None:

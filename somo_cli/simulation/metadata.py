@@ -26,8 +26,8 @@ def metadata(
 ) -> dict[str, object]:
     """Return versions, input hashes, step, integrator, scale and run time of a finished run.
 
-    `inputs` maps each file that was read to its text. Whether `auto` chose the time step, and for
-    which error of the tip relative to the length, is not in the plan. The same input gives the
+    `inputs` maps each file that was read to its text. The plan does not say whether `auto` chose
+    the time step, or for which tip error relative to the length. The same input gives the
     same values, except for versions, platform and run time.
     """
     simulated = summary.steps * plan.time_step

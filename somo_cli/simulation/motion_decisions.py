@@ -110,7 +110,7 @@ def _limit_decision(plan: Plan) -> Decision:
         asked = "" if any(needs) else ", asked for, though the law stops them"
         # seen in 3.2.7: a limit has a row only while its joint is beyond it
         return Decision(what, True, f"{have}, a row only beyond one{asked}")
-    # the engine has two rows in mind for each, and sorts and asks them in every step
+    # the engine reserves two rows for each, and sorts and visits them in every step
     return Decision(
         what, False, f"{have}, at which the law stops them", f"{limited} constraints in every step"
     )

@@ -10,7 +10,7 @@ from somo_cli.simulation.plan.model import Plan
 
 
 def object_decisions(plan: Plan) -> Iterator[Decision]:
-    """Yield the number of hulls by which meshes collide, and inertias unlike their file's."""
+    """Yield the number of hulls that stand for meshes, and inertias that differ from the file."""
     hulls = {
         one.rigid_object.name: sum(
             isinstance(shape.solid, Hull) for shape in one.rigid_object.chain.links[0].shapes

@@ -25,8 +25,8 @@ MAX_LIVE_DELAY = 0.05  # s for which a row may wait, beyond the interval between
 class RunSummary:
     """The outcome of a run: steps done, rows written, and the wall time of the stepping loop [s].
 
-    `stopped` is the condition of the scene that ended the run, if one did; `deepest` the deepest
-    penetration, None if there was none; `findings` are those of the monitors of contact.
+    `stopped` is the stop condition that ended the run, None if it ran to its end. `deepest` is the
+    deepest penetration, None if there was none. `findings` come from the contact monitors.
     """
 
     steps: int
@@ -36,9 +36,9 @@ class RunSummary:
     deepest: Penetration | None = None
     findings: tuple[Finding, ...] = ()
     prediction: PredictionCount = field(default_factory=PredictionCount)
-    """How much of the contact forces was predicted."""
+    """The number of steps in which contact forces were predicted."""
     struck_limits: bool = False
-    """Whether a joint was stopped by a limit that the integrator holds."""
+    """Whether a joint struck a limit that the integrator holds."""
 
 
 @np.errstate(over="ignore", invalid="ignore")  # the divergence monitor reports both
@@ -52,12 +52,12 @@ def run(
     on_event: Callable[[ContactEvent], None] | None = None,
     is_live: bool = False,
 ) -> RunSummary:
-    """Simulate `steps` steps and write a row of SI values for every recorded one, start included.
+    """Simulate `steps` steps and write a row of SI values for each recorded step, start included.
 
-    Rows are written many at once, shape (rows, columns); if `is_live`, soon after their step. With
-    `on_event`, contacts are listed in every step and each change of them is passed on. `advance`
-    takes the steps done, for a progress bar. The run ends earlier if a stop condition of the plan
-    says so. Raises SimulationDiverged. Whatever ends the run, the rows before it are written.
+    `write` takes many rows at once, shape (rows, columns); if `is_live`, soon after their step.
+    With `on_event`, contacts are listed in every step, and each change is passed on. `advance`
+    takes the number of steps done, for a progress bar. A stop condition of the plan can end the
+    run early. However the run ends, the rows up to then are written. Raises SimulationDiverged.
     """
     session = Session(plan, world, write, on_event)
     assembler = session.assembler
@@ -98,7 +98,7 @@ def run(
 
 
 class _Flusher:
-    """Writes rows when there are enough of them, or, if live, when one has waited."""
+    """Writes rows when the buffer is full or, in a live run, when they have waited too long."""
 
     def __init__(self, assembler: RowAssembler, clock: Callable[[], float], is_live: bool) -> None:
         self._assembler = assembler

@@ -95,12 +95,12 @@ class Session:
         return in_order([*self._contact.found(), *([unpredicted] if unpredicted else [])])
 
     def note_drive(self) -> None:
-        """Note that the user has changed the torques or loads on the bodies."""
+        """Record that the user has changed the torques or loads on the bodies."""
         self._is_driven = True
 
     @property
     def prediction_count(self) -> PredictionCount:
-        """In how many steps contact forces were predicted so far."""
+        """The number of steps so far in which contact forces were predicted."""
         return self._loop.prediction_count
 
     def actuate(self) -> None:
@@ -108,12 +108,12 @@ class Session:
         self._loop.actuate(self.step)
 
     def monitor(self, is_last: bool = False) -> None:
-        """Do the checks that are due at the present state, and those of the last step if it is.
+        """Run the checks that are due at the present state, or those of the last step.
 
         Raises SimulationDiverged.
         """
         if not (is_last or self.schedule.is_pause(self.step)):
-            return  # the user paused here: what a check starts must not depend on that
+            return  # a check here would make the trajectory depend on where the user paused
         if is_last or self.schedule.checks_motion(self.step):
             self.divergence.update(self.step)
         contact = self._contact
@@ -126,9 +126,9 @@ class Session:
                 self.world.adapt_solver_iterations()
 
     def advance(self, until: int) -> None:
-        """Advance to step `until`, no farther than the next check; `actuate` comes before.
+        """Advance to step `until`, at most to the next check. Call `actuate` first.
 
-        Where the monitor of contact wants to sample every step, it is one step.
+        While the contact monitor needs every step, it advances by one step only.
         """
         contact = self._contact
         if contact is not None and contact.wants_every_step:
@@ -141,7 +141,10 @@ class Session:
                 contact.sample()
 
     def record_last(self) -> None:
-        """Record the present state as the last row; the bodies may end half a step beyond it."""
+        """Record the present state as the last row.
+
+        The engine may step once more, for velocities half a step later.
+        """
         self._loop.record_last(self.step)
 
 

@@ -26,10 +26,10 @@ from somo_cli.arrays import Array, invert
 from somo_cli.simulation.dynamics.cross_products import skew_matrices
 from somo_cli.simulation.dynamics.gyroscopic import half_turned
 
-_TOLERANCE = 1e-12  # of the momentum: what the solution may leave of it
+_TOLERANCE = 1e-12  # residual of a solution, relative to the momentum
 _MAX_ITERATIONS = 30  # 5 are enough for steps up to 0.3 rad
 _MAX_ERROR = 1e100  # engine units; beyond it products overflow
-_SLOW_RATIO = 0.1  # of the error before: the slope is renewed where less is gained
+_SLOW_RATIO = 0.1  # if an iteration leaves more of the error than this, refresh the slope
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +55,7 @@ class WholeInertia:
         self._inertia: Array = matrix[:3, :3] - across @ first_moment
 
     def momentum(self, spin: Array, velocity: Array) -> Momentum:
-        """Return the momentum with the base in this motion, in the base's axes."""
+        """Return the momentum, in the base's axes, for this motion of the base."""
         linear = self._first_moment @ spin + self.mass * velocity + self._linear_of_joints
         return Momentum(linear, self._inertia @ spin + self._angular_of_joints)
 
@@ -84,7 +84,7 @@ class WholeInertia:
         return None
 
     def _inverse_slope(self, left: Array, turn: Array, half_step: float) -> Array:
-        """Return the inverse of how the error of `spin` falls with it, (3, 3)."""
+        """Return the inverse of minus the derivative of the error by `spin`, (3, 3)."""
         # exp(-v) L with v = h ω / 2 changes by l x (J dv); see `gyroscopic`
         across, turning = skew_matrices(np.array([left, turn]))
         change = across - 0.5 * across @ turning + across @ turning @ turning / 6

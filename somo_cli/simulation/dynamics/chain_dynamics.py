@@ -65,7 +65,7 @@ class ChainPose:
         self.centres: Array = self.origins + np.einsum("ijk,ik->ij", self.rotations, chain.centres)
 
     def point(self, link: int, local: Sequence[float] | Array) -> Array:
-        """Return the place in the world of a point of a link, given in the link's frame."""
+        """Return the world position of a point given in the frame of a link."""
         place: Array = self.origins[link] + self.rotations[link] @ np.asarray(local)
         return place
 

@@ -35,7 +35,7 @@ MAX_EXACT_ANGLE = math.pi / 4
 2 atan(h ω tan(MAX_EXACT_ANGLE / 2) / MAX_EXACT_ANGLE), which is less."""
 
 _SLOPE = math.tan(MAX_EXACT_ANGLE / 2) / MAX_EXACT_ANGLE
-_TOLERANCE = 1e-12  # of the momentum: what the solution may leave of it
+_TOLERANCE = 1e-12  # residual of a solution, relative to the momentum
 _MAX_ITERATIONS = 30  # 4 are enough for steps up to 0.3 rad, 9 for 1 rad
 _MIN_ANGLE = 1e-9  # rad: half of it turns a vector by less than its rounding matters
 
@@ -120,8 +120,8 @@ def rate_half_step_before(
 ) -> Vector:
     """Return the rate [rad/s] half a step before a start at `rate`, from the engine's first step.
 
-    That step, which led to `next_rate` with an explicit gyroscopic torque, tells the torque of
-    contacts.
+    That step led to `next_rate` with an explicit gyroscopic torque. The rest of the change is due
+    to the torque of contacts.
     """
     gyroscopic = gyroscopic_acceleration(moments, rate)
     change = [
@@ -140,7 +140,7 @@ def mean_rates(
 ) -> Array:
     """Return angular velocities in the world, shape (rows, 3), from those half a step either side.
 
-    It is the mean of the momenta that counts; that of velocities would be too short by
+    They are those of the mean momenta: the mean of the velocities would be too small by
     (h ω)² / 8. `rotations`, shape (rows, 3, 3), turn principal axes to the world.
     """
     own = (np.einsum("nji,nj->ni", rotations, one) for one in (before, after))
@@ -154,7 +154,7 @@ def mean_rates(
 
 
 def _half_turned_rows(vectors: Array, rates: Array, time_step: float) -> Array:
-    """Return what `half_turned` does, of many vectors at once, shape (rows, 3)."""
+    """Return `half_turned` of many vectors at once, shape (rows, 3)."""
     turned = [
         half_turned(vector, rate, time_step)
         for vector, rate in zip(vectors.tolist(), rates.tolist(), strict=True)

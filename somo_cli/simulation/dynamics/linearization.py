@@ -1,4 +1,4 @@
-"""How much gravity and bending change a body, which decides how often it is refreshed."""
+"""How much gravity and bending change a body: this decides how often its inertia is refreshed."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ from somo_cli.arrays import Array
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics, ChainPose
 
-TEST_BEND = 0.1  # rad: how far the chain is bent where it is asked how fast its inertia changes
+TEST_BEND = 0.1  # rad: bend of the chain at which the change of its inertia is measured
 
 
 def fastest_gravity_mode(pose: ChainPose, gravity: Vector, mass: Array) -> float:
     """Return the highest natural frequency [rad/s] that gravity alone gives a chain at a pose.
 
-    Of M q'' + G q = 0 with the base held. Of either sign: also the rate at which a chain topples.
+    It solves M q'' + G q = 0 with the base held. Where gravity makes the chain topple, it is the
+    rate of toppling instead, if that is higher.
     """
     modes = np.linalg.eigvals(np.linalg.solve(mass, pose.gravity_stiffness(gravity)))
     return math.sqrt(float(np.abs(modes).max()))
@@ -32,12 +33,13 @@ def positive_gravity_stiffness(pose: ChainPose, gravity: Vector) -> Array:
 def largest_inertia_change(
     chain: ChainDynamics, angles: Array, has_free_base: bool, turn: float
 ) -> float:
-    """Return the largest relative change of inertia of any motion in a turn [rad] of the joints.
+    """Return the largest relative change of modal inertia over a joint displacement `turn` [rad].
 
-    Links much lighter than what they carry can move so that the load stays where it is. Which
-    motion that is changes as the chain bends: a mass matrix that is a little old gives it many
-    times its inertia, or a negative one, which no choice of B withstands. The chain is taken at an
-    uneven bend, since a straight one shows little; the turn is the root of the sum of squares.
+    `turn` is the Euclidean norm of the displacement. Links much lighter than what they carry can
+    move while the load stays in place. Which motion does that changes as the chain bends. A mass
+    matrix only slightly out of date then gives this motion many times its inertia, or a negative
+    one, which no choice of B stabilises. The chain is measured at an uneven bend, because a
+    straight chain shows little of this.
     """
     number = np.arange(chain.count)
     bent = angles + TEST_BEND * np.sin(1 + 2.7 * number)

@@ -16,9 +16,9 @@ MIN_JOINT_INERTIA = 2.2e-16
 def natural_frequencies(mass: Array, stiffness: Array) -> Array:
     """Return the natural frequencies [rad/s] without damping, lowest first, shape (n,).
 
-    `mass` is of shape (n, n), `stiffness` likewise, or its diagonal. Motions of negative stiffness,
-    which topple, count as zero. Raises numpy.linalg.LinAlgError for a mass matrix that is not
-    positive definite.
+    `mass` has shape (n, n); `stiffness` too, or it is the diagonal, (n,). A mode of negative
+    stiffness, which topples, counts as zero. Raises numpy.linalg.LinAlgError for a mass matrix that
+    is not positive definite.
     """
     squares = np.linalg.eigvalsh(mass_normalisation(mass)[0](stiffness))
     frequencies: Array = np.sqrt(np.maximum(squares, 0.0))
@@ -35,7 +35,7 @@ def largest_explicit_step(mass: Array, stiffness: Array, damping: Sequence[float
     normalised, _ = mass_normalisation(mass)
     k, d = normalised(stiffness), normalised(np.asarray(damping))
     fastest, most_damped = (float(np.linalg.eigvalsh(matrix)[-1]) for matrix in (k, d))
-    # either alone allows a longer step than both together, and a quarter of that always holds
+    # springs or dampers alone allow a longer step than both; a quarter of it is always stable
     alone = [2 / math.sqrt(fastest)] if fastest > 0 else []
     alone += [2 / most_damped] if most_damped > 0 else []
     if not alone:
@@ -63,7 +63,7 @@ def mass_normalisation(mass: Array) -> tuple[Callable[[Array], Array], Callable[
 
     With M = L Lᵀ the first gives L⁻¹ A L⁻ᵀ, the second L⁻ᵀ v. Raises numpy.linalg.LinAlgError.
     """
-    # ones in the diagonal lose least of the lightest links
+    # a unit diagonal keeps most digits of the lightest links
     scale = 1 / np.sqrt(np.diag(mass))
     inverse = np.linalg.inv(np.linalg.cholesky(mass * np.outer(scale, scale))) * scale
 

@@ -35,7 +35,7 @@ class ContactPoint(NamedTuple):
 def friction_contact(
     first: LinkIndex, second: LinkIndex, point: Sequence[float], force: Sequence[float]
 ) -> ContactPoint:
-    """Return a contact point with friction alone; its normal force is that of another point."""
+    """Return a contact point with friction alone; another point has the normal force."""
     size = geometry.norm(geometry.vector(force))
     x, y, z = (part / size if size > 0 else 0.0 for part in force)
     friction_forces = ((x, y, z), size), (geometry.ZERO, 0.0)
@@ -45,7 +45,8 @@ def friction_contact(
 class ContactForce(NamedTuple):
     """The sum of contact forces on one body, link or object, in the world's axes [engine units].
 
-    The total force, the sums of the magnitudes of normal and of friction forces, and the friction.
+    `fx`, `fy`, `fz` are the total force; `normal` and `friction` the sums of the magnitudes of
+    normal and friction forces; `friction_x`, `friction_y`, `friction_z` the total friction.
     """
 
     fx: float
@@ -83,7 +84,7 @@ def contacts_between(points: Sequence[ContactPoint], body: int, other: int) -> l
 
 
 def contacts_on_link(points: Sequence[ContactPoint], link: LinkIndex) -> list[SignedContact]:
-    """Return the contact points of a link, those with other links of its body included."""
+    """Return the contact points of a link, including those with other links of its body."""
     return [
         (point, sign)
         for point in points
@@ -93,7 +94,7 @@ def contacts_on_link(points: Sequence[ContactPoint], link: LinkIndex) -> list[Si
 
 
 def total_force(contacts: Sequence[SignedContact]) -> tuple[float, float, float, float]:
-    """Return the force of contact points, in the world's axes, and the sum of normal forces."""
+    """Return the total force (x, y, z) in the world's axes, then the sum of normal forces."""
     x = y = z = normal_force = 0.0
     for point, sign in contacts:
         normal_force += point.normal_force
@@ -104,7 +105,7 @@ def total_force(contacts: Sequence[SignedContact]) -> tuple[float, float, float,
 
 
 def contact_force(contacts: Sequence[SignedContact]) -> ContactForce:
-    """Return the sum of the forces of contact points, with the friction by itself."""
+    """Return the sum of contact forces, with friction reported separately as well."""
     if not contacts:
         return NO_CONTACT
     tx = ty = tz = friction = 0.0

@@ -115,9 +115,9 @@ class WorldFreeBody(WorldBody, Protocol):
         """Return the inertia of base and joints, shape (6 + n, 6 + n), base first, as above."""
 
     def inertial_forces(self, angles: Sequence[float], motion: Array, acceleration: Array) -> Array:
-        """Return the forces, (6 + n,), that a body needs for this motion without gravity.
+        """Return the forces, (6 + n,), that produce this motion without gravity.
 
-        The base comes first, as above; its linear velocity changes nothing.
+        The base comes first, as above. Its linear velocity has no influence.
         """
 
 
@@ -125,7 +125,7 @@ class WorldPrescribedBody(WorldBody, Protocol):
     """A manipulator whose base has a prescribed motion."""
 
     def move_base(self, goal: Pose, is_at_rest: bool) -> None:
-        """Lead the base frame to this pose in the next step, and keep it there if it is at rest."""
+        """Move the base frame to this pose in the next step; hold it there if it is at rest."""
 
     def base_acceleration_torques(self, acceleration: Array) -> Array:
         """Return the joint torques, shape (n,), that an acceleration of the base requires.
@@ -138,10 +138,10 @@ class WorldKinematicObject(WorldObject, Protocol):
     """An object with a prescribed motion."""
 
     def move_to(self, goal: Pose, time_step: float) -> None:
-        """Lead the frame to this pose in the next step."""
+        """Move the frame to this pose in the next step."""
 
     def hold_pose(self) -> None:
-        """Hold the frame where it is until it is moved."""
+        """Hold the frame at its present pose until the next `move_to`."""
 
 
 class World(Protocol):
@@ -162,16 +162,16 @@ class World(Protocol):
         """Return all contact points of the last step, in a reproducible order."""
 
     def penetrations(self) -> Sequence[tuple[LinkIndex, LinkIndex, float]]:
-        """Return each two parts that overlapped in the last step, with the depth, above 0."""
+        """Return each pair of links that overlapped in the last step, and its depth, above 0."""
 
     def normal_forces(self) -> Mapping[BodyPair, float]:
-        """Return the sum of normal forces of each two bodies that pressed in the last step."""
+        """Return the sum of normal forces of each pair of bodies that pressed in the last step."""
 
     def contact_reader(self) -> ContactReader:
         """Return the reader of the contact points that press."""
 
     def claim_engine(self) -> None:
-        """Set the parameters that all engines of a process share; needed where several are open."""
+        """Set the parameters that all engines of a process share, in case another changed them."""
 
     def adapt_solver_iterations(self) -> None:
         """Choose the solver's iterations for the contacts that `penetrations` saw last."""

@@ -44,7 +44,7 @@ class LoadOptions:
     has_limits: bool
     """Whether it gets the limits of joints."""
     has_zero_torque_motors: bool
-    """Whether joints without dry friction keep a row of the solver, of no effect."""
+    """Whether joints without dry friction keep a solver row, which has no effect."""
 
     @staticmethod
     def of(
@@ -61,10 +61,10 @@ class LoadOptions:
 
 
 def make_plan(scene: Scene, keeps_unused: bool = False) -> Plan:
-    """Return the plan of a scene; the only place where SI becomes engine units.
+    """Return the plan of a scene, converted from SI to engine units here and nowhere else.
 
-    With `keeps_unused` shapes are loaded, rows are solved and state is read that no result
-    needs.
+    With `keeps_unused` the engine also loads the shapes, solves the rows and reads the state that
+    no result needs.
     """
     acceleration = scene.scale.factor(Dimension(length=1, time=-2))
     can_touch = reach.can_touch(scene)
@@ -95,9 +95,10 @@ def make_plan(scene: Scene, keeps_unused: bool = False) -> Plan:
 
 
 def needs_engine_limits(can_touch: bool, integrator: Integrator, base: Base) -> bool:
-    """Whether the joints of a body need the engine's own limits, since the law does not hold them.
+    """Return whether the joints of a body need the engine's own limits.
 
-    A moving base or object can push them beyond, and the explicit law stops none.
+    A contact or a moving base can push a joint beyond the limit that the implicit law holds. The
+    explicit law holds no limits.
     """
     return can_touch or integrator == "explicit" or base != "static"
 

@@ -31,15 +31,14 @@ from somo_cli.scene.signals import PiecewiseSignal, Signal
 from somo_cli.scene.stop_conditions import StopCondition
 
 EQUAL_MOMENTS = 1e-9
-"""Relative difference between moments of inertia that is rounding."""
+"""Relative difference up to which moments of inertia count as equal: it is rounding."""
 
 
 @dataclass(frozen=True, slots=True)
 class ActuatorTorque:
     """A torque over time, and the joints of one body that it acts on.
 
-    `signal` is in engine units; `si_signal` [N·m] is the one to record, which no scaling has
-    rounded.
+    `signal` is in engine units. `si_signal` [N·m] is recorded, because no scaling has rounded it.
     """
 
     actuator: int
@@ -66,7 +65,10 @@ class PlannedLoad:
 
 @dataclass(frozen=True, slots=True)
 class InitialState:
-    """Pose and motion of a body at time zero, in engine units; the base frame's, in the world."""
+    """Pose and velocity of the base frame in the world, and joint state, at time zero.
+
+    Engine units; angles and rates of the joints have shape (n,).
+    """
 
     position: tuple[Length, Length, Length]
     rpy: tuple[Angle, Angle, Angle]
@@ -85,8 +87,8 @@ class InitialState:
 class Body:
     """A manipulator to load: its `chain` in engine units, and its URDF.
 
-    The URDF has no shapes where nothing can touch: shapes would cost the engine time and change
-    nothing, since every inertia is in the file.
+    Where nothing can touch, the URDF has no shapes. They would cost the engine time and change
+    nothing, since the file gives every inertia.
     """
 
     name: str
@@ -99,11 +101,11 @@ class Body:
     surfaces: ManipulatorSurfaces
     has_self_collision: bool
     path: PosePath | None = None
-    """Where the base is at every time, if it is moved."""
+    """The pose of the base over time, None without prescribed motion."""
     has_engine_limits: bool = True
-    """Whether the engine knows the limits of joints, as the law always does."""
+    """Whether the engine has the joint limits; the integrator always has them."""
     has_zero_torque_motors: bool = False
-    """Whether joints without dry friction have a row of the solver as well, of no effect."""
+    """Whether joints without dry friction have a solver row too, which has no effect."""
 
     @property
     def has_moving_base(self) -> bool:
@@ -113,7 +115,7 @@ class Body:
 
 @dataclass(frozen=True, slots=True)
 class PlannedObject:
-    """An object to load, in engine units: its URDF or compound, and its path if it is moved."""
+    """An object to load, in engine units: its URDF or compound, and its prescribed path if any."""
 
     rigid_object: RigidObject
     urdf: str
@@ -146,13 +148,13 @@ class Plan:
     objects: tuple[PlannedObject, ...]
     object_quantities: tuple[ObjectQuantity, ...]
     can_touch: bool
-    """Whether there is anything within reach that a body could touch, itself included."""
+    """Whether a body has anything within reach that it could touch, itself included."""
     only: tuple[str, ...] = ()
     stop_conditions: tuple[StopCondition, ...] = ()
     records_last_step: bool = False
-    """Whether the last step is recorded wherever it falls; so where a stop may end the run."""
+    """Whether the last step is always recorded, as it is where a condition may stop the run."""
     keeps_unused: bool = False
-    """Whether shapes are loaded, rows are solved and state is read that no result needs."""
+    """Whether the engine loads shapes, solves rows and reads state that no result needs."""
 
     @property
     def recorded(self) -> Recorded:

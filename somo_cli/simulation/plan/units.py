@@ -20,6 +20,6 @@ class UnitFactors:
 
 
 def unit_factors_of(plan: Plan) -> UnitFactors:
-    """Return the factors that lead from SI to the units of a plan."""
+    """Return the factors that convert SI values to the engine units of a plan."""
     force = plan.scale.factor(Dimension(mass=1, length=1, time=-2))
     return UnitFactors(plan.scale.factor(Dimension(length=1)), plan.scale.factor(TORQUE), force)

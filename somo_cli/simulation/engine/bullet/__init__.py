@@ -1,1 +1,1 @@
-"""PyBullet behind the interface of an engine; nothing else knows it."""
+"""PyBullet behind the engine interface; no other package imports it."""

@@ -1,15 +1,15 @@
-"""Dry friction that depends on the direction, as of a snake's scales: one spring a point.
+"""Anisotropic dry friction, as of a snake's scales: one spring for each contact point.
 
-A point of contact that slides with the velocity v, pressed on by a normal force N, is held back by
-F = -N μ S v / |v|, with S the factors along the axes of the link (Hu and others, PNAS 106 (2009)
-10081, equation 1, in three dimensions). A point that sticks hangs on a spring and a damper that
-slip at the force N μ (Cundall and Strack, Géotechnique 29 (1979) 47), as stiff as the time step
-allows, so that it does not creep.
+A contact point with normal force N that slides at the velocity v feels the friction force
+F = -N μ S v / |v|, where S has the factors along the axes of the link (Hu and others, PNAS 106
+(2009) 10081, equation 1, in three dimensions). A point that sticks is held by a spring and a damper
+that slip at the force N μ (Cundall and Strack, Géotechnique 29 (1979) 47). They are as stiff as the
+time step allows, so that the point does not creep.
 
-The engine's own anisotropic friction is of no use. Seen in 3.2.7: it scales two directions that
-are fixed in the world, so how a body is slowed down that slides askew depends on where in the world
-its axes point. A cube of factors 0.2 and 1 that slides at 45 degrees to them is held back, over the
-first 0.1 s, with 0.28 of N μ against its motion, or with 0.93, turned by 41 degrees, as it heads.
+The engine's own anisotropic friction cannot be used. Seen in 3.2.7: it scales two directions that
+are fixed in the world. The friction on a body that slides askew to its axes then depends on its
+heading. A cube with factors 0.2 and 1 that slides at 45 degrees to them feels, over the first
+0.1 s, 0.28 of N μ against its motion, or 0.93, turned by 41 degrees, depending on its heading.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ DAMPING_FACTOR = 0.16  # of a damper, times mass / step: a quarter of critical
 
 
 class AnisotropicFriction:
-    """The springs of all points of contact, from one step to the next; engine units."""
+    """The springs of all contact points, kept from one step to the next; engine units."""
 
     def __init__(self, time_step: float) -> None:
         self._time_step = time_step
@@ -44,12 +44,12 @@ class AnisotropicFriction:
         masses: Array,
         factors: Array,
     ) -> Array:
-        """Return the friction on each point, shape (p, 3), in the world, and remember its springs.
+        """Return the friction on each point, shape (p, 3), in the world, and keep its spring.
 
-        `local_points` are the points in the axes of their links, by which they are found again,
-        `normals` and `slip_velocities` their normals and relative velocities in the world, `limits`
-        the coefficient times the normal force, `masses` what a spring has to move; `factors`,
-        shape (p, 3, 3), the matrices S in the world.
+        `local_points`, (p, 3), are the points in the axes of their links: they match a point with
+        its spring of the last step. `normals` and `slip_velocities`, (p, 3), are in the world.
+        `limits`, (p,), are the coefficient times the normal force; `masses`, (p,), the mass that
+        each spring moves; `factors`, (p, 3, 3), the matrices S in the world.
         """
         spring_forces = self._matched_springs(keys, local_points)
         sliding = slip_velocities - _normal_parts(slip_velocities, normals)
@@ -68,7 +68,7 @@ class AnisotropicFriction:
         self._spring_forces = np.where(
             shares[:, None] < 1.0, friction_forces + damper_forces, spring_forces
         )
-        # a spring that slips is no longer than the limit allows, or it would have to unwind
+        # cap a slipping spring at the limit: a longer one would have to unwind first
         lengths = np.sqrt((self._spring_forces * self._spring_forces).sum(axis=1))
         self._spring_forces *= np.minimum(1.0, limits / np.maximum(lengths, 1e-300))[:, None]
         forces: Array = np.einsum("pij,pj->pi", factors, friction_forces)
@@ -76,12 +76,12 @@ class AnisotropicFriction:
         return forces
 
     def clear(self) -> None:
-        """Forget every spring: nothing touches."""
+        """Remove every spring, because nothing touches."""
         self._keys = ()
         self._local_points = self._spring_forces = np.zeros((0, 3))
 
     def _matched_springs(self, keys: Sequence[ContactKey], local_points: Array) -> Array:
-        """Return the force of each spring: that of the nearest point of the same two links."""
+        """Return the spring forces of the last step, (p, 3), matched by link pair and distance."""
         if not self._keys or not keys:
             return np.zeros_like(local_points)
         differences = local_points[:, None, :] - self._local_points[None, :, :]

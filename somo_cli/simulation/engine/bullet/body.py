@@ -18,10 +18,10 @@ from somo_cli.simulation.engine.bullet.self_collision import disable_near_collis
 from somo_cli.simulation.engine.readback import EngineJoint, EngineLink, mismatches
 from somo_cli.simulation.plan.model import Body
 
-MAX_UNNAMED_JOINTS = 40  # for more of them it takes longer to read numbers for nothing than names
+MAX_UNNAMED_JOINTS = 40  # for more joints, unused positional arrays cost more than keywords
 UNLIMITED_RATE = 1e12  # rad/s; the engine's own clamp of 100 hides divergence
-# engine units; seen in 3.2.7: any motor has its row whose force times the time step is not 0, and
-# one of this force changes no rate but one that is exactly 0, to less than 1e-290 or so
+# engine units; seen in 3.2.7: a motor gets a solver row if its force times the time step is not 0.
+# With this force it changes no rate, except one of exactly 0, and that by less than about 1e-290
 ZERO_EFFECT_TORQUE = 1e-300
 
 
@@ -41,8 +41,8 @@ class BulletBody(BulletDynamics):
         )
         super().__init__(engine, index, body, gravity)
         self._joints = self._joint_indices()
-        # bound once, without a Python frame of ours between loop and engine: one tuple per joint,
-        # base to tip, that starts with angle and rate
+        # bound once, so that no Python call stands between loop and engine; it returns one tuple
+        # per joint, base to tip, that starts with angle and rate
         self.joint_states: Callable[[], Any] = partial(
             engine.module.getJointStates, index, self._joints, engine.number
         )
@@ -63,8 +63,8 @@ class BulletBody(BulletDynamics):
         module = self.engine.module
         control, mode = module.setJointMotorControlArray, module.TORQUE_CONTROL
 
-        # seen in 3.2.7: names cost a quarter of the call for ten joints; without them there must be
-        # positions, rates and gains, which are read and, in this mode, used for nothing
+        # seen in 3.2.7: keywords cost a quarter of the call for ten joints. Without them it needs
+        # positions, rates and gains as well, which it reads but does not use in this mode
         def apply(torques: Sequence[float]) -> None:
             control(index, joints, mode, torques, torques, torques, torques, torques, client)
 
@@ -149,7 +149,7 @@ class BulletBody(BulletDynamics):
     def _disable_engine_defaults(self) -> None:
         """Switch off what the model does not have: engine damping, rate clamp, joint motors.
 
-        Motors stay where the plan wants their rows, with a torque that does nothing.
+        Where the plan wants solver rows for motors, they stay, with a torque of no effect.
         """
         engine, body = self.engine, self.index
         for number, link in enumerate(self.links):
@@ -161,7 +161,8 @@ class BulletBody(BulletDynamics):
                 jointDamping=0,
                 maxJointVelocity=UNLIMITED_RATE,
             )
-            # seen in 3.2.7: said together with a rate, a link's surface is not heard, only a base's
+            # seen in 3.2.7: set together with a rate, the surface of a link is ignored, except the
+            # base's, so it needs a call of its own
             surface = surface_settings(self._body.surfaces.of_link(number, self._body.chain))
             engine.changeDynamics(body, link, **surface)
         # every joint has a velocity motor by default; with zero force it is gone, with a force
@@ -201,7 +202,7 @@ class BulletBody(BulletDynamics):
     def _check_readback(self) -> None:
         """Compare what the engine has loaded with what was compiled.
 
-        This catches an inertia the engine would not take, cut lines and misread numbers.
+        This catches an inertia that the engine rejected, truncated lines and misread numbers.
         """
         engine = self.engine
         links, joints = [], []
@@ -211,7 +212,7 @@ class BulletBody(BulletDynamics):
             links.append(EngineLink(dynamics[0], dynamics[3], dynamics[2]) if has_mass else None)
             if index > 0:
                 info = engine.getJointInfo(self.index, link)
-                # the engine tells the axis in the principal axes of the child
+                # the engine reports the axis in the principal axes of the child
                 principal = geometry.rotation_from_quaternion(dynamics[4])
                 axis = geometry.rotate(principal, info[13])
                 joints.append(EngineJoint(info[16], axis, info[8], info[9]))

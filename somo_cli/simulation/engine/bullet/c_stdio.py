@@ -33,8 +33,8 @@ def captured_output() -> Iterator[Callable[[], str]]:
 def stdout_to_stderr() -> Iterator[None]:
     """Send what C prints on standard output to standard error, where messages go.
 
-    For commands, whose results go to standard output: open the results before. A library leaves
-    the standard output of its user alone, except for moments.
+    This is for commands, whose results go to standard output: open the results first. A library
+    must not redirect the standard output of its user for longer than a call.
     """
     with _redirected((1,), 2):
         yield
@@ -42,7 +42,7 @@ def stdout_to_stderr() -> Iterator[None]:
 
 @contextmanager
 def _redirected(descriptors: tuple[int, ...], target: int) -> Iterator[None]:
-    """Redirect file descriptors to another one, those that are open; give them back at the end."""
+    """Redirect the file descriptors that are open to another one, and restore them at the end."""
     duplicates = {descriptor: _duplicate(descriptor) for descriptor in descriptors}
     saved = {key: value for key, value in duplicates.items() if value is not None}
     try:
@@ -63,7 +63,7 @@ def _redirected(descriptors: tuple[int, ...], target: int) -> Iterator[None]:
 
 @contextmanager
 def decimal_points() -> Iterator[None]:
-    """Let C read a decimal point as one, which a program with a comma locale would not."""
+    """Make C read "." as the decimal point, whatever the locale of the program."""
     own = locale.setlocale(locale.LC_NUMERIC)
     locale.setlocale(locale.LC_NUMERIC, "C")
     try:

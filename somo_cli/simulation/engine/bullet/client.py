@@ -1,4 +1,4 @@
-"""PyBullet itself, where it is installed, and one engine of its own."""
+"""Import PyBullet, where it is installed, and connect to an engine of its own."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ def import_pybullet(missing: str = "the engine, PyBullet, is") -> Any:
 class BulletClient:
     """One engine of a process, which may have several: PyBullet's names, bound to this engine.
 
-    Its functions are called without `physicsClientId`. Binding by name costs about 0.1 µs a call,
-    so what runs in every step of every body takes the function of `module` and `number` by place.
+    Its functions are called without `physicsClientId`. The keyword costs about 0.1 µs a call, so
+    code that runs for every body in every step calls `module` and passes `number` by position.
     """
 
     def __init__(self, missing: str = "the engine, PyBullet, is") -> None:

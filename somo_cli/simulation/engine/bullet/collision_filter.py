@@ -8,16 +8,14 @@ from somo_cli.simulation.engine.bullet.client import BulletClient
 from somo_cli.simulation.engine.bullet.last_contacts import LastContacts
 from somo_cli.simulation.plan.model import Plan
 
-MAX_ITERATIONS = 200  # of the solver, at most: few contacts need half of them
-CROWD_ITERATIONS = (
-    50  # where there are many: what they leave undone is less than what steps get wrong
-)
-CROWD = 16  # points of contact; what one costs grows with their number
-RESIDUAL_SPEED = 1e-11  # m/s: how far the solver may leave a joint or contact from what it is to do
+MAX_ITERATIONS = 200  # of the solver; few contacts need half of them
+CROWD_ITERATIONS = 50  # with many contacts: what they leave is below the error of the step
+CROWD = 16  # contact points; the cost of an iteration grows with their number
+RESIDUAL_SPEED = 1e-11  # m/s: residual velocity of joints and contacts that the solver tolerates
 
 
 def iteration_limit(points: int) -> int:
-    """Return how many iterations the solver may take with so many points of contact."""
+    """Return the largest number of solver iterations for a number of contact points."""
     return MAX_ITERATIONS if points <= CROWD else CROWD_ITERATIONS
 
 
@@ -39,10 +37,10 @@ def disable_collisions(engine: BulletClient, body: int, links: Iterable[int]) ->
 def disable_fixed_collisions(
     engine: BulletClient, constrained: Iterable[int], held: Sequence[int]
 ) -> None:
-    """Keep bases that a constraint holds from colliding with each other and with what is held.
+    """Keep constrained bases from colliding with each other and with fixed bodies.
 
-    Two bodies of which neither can move would push without end; for fixed ones the engine knows.
-    The numbers are those that the engine gives to bodies.
+    Neither of two such bodies can move, so they would push each other without end. The engine
+    itself excludes pairs of fixed bodies only. Bodies are given by the engine's numbers.
     """
     for base in constrained:
         for other in held:

@@ -1,4 +1,4 @@
-"""A compound in PyBullet: its meshes written, its shapes and its body made."""
+"""A compound in PyBullet: write its meshes, create its shapes and its body."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from somo_cli.simulation.engine.bullet.client import BulletClient
 
 
 def create_body(engine: BulletClient, compound: Compound, stem: str, is_fixed: bool) -> int:
-    """Make the body, in the frame of its principal axes, and return its index.
+    """Create the body, in the frame of its principal axes, and return its index.
 
-    Meshes are written to files that start with `stem`. Raises the engine's error.
+    Meshes are written to files whose paths start with `stem`. Raises the error of the engine.
     """
     if len(compound.shapes) > MAX_SHAPES:
         return _create_by_urdf(engine, compound, stem, is_fixed)
@@ -47,8 +47,8 @@ def create_body(engine: BulletClient, compound: Compound, stem: str, is_fixed: b
 
 def _with_properties(engine: BulletClient, compound: Compound, index: int, is_fixed: bool) -> int:
     """Give a body the margin and the inertia of the compound; return its index."""
-    # seen in 3.2.7: a hull floats on a margin of 0.001 engine units unless told otherwise, which
-    # works for shapes made here, but not for those of a URDF with several or with an offset
+    # seen in 3.2.7: a hull has a collision margin of 0.001 engine units by default. This call
+    # changes it for shapes made here, but not for several or shifted shapes of a URDF
     engine.changeDynamics(index, -1, collisionMargin=compound.margin)
     if not is_fixed:
         # the engine's own inertia is that of the box around the shapes

@@ -20,7 +20,7 @@ def surface_settings(surface: ContactSurface) -> Mapping[str, float]:
 
     A value of zero is left out, so that the engine's solver has no row for it.
     """
-    # an anisotropic one is not the engine's, see `friction_adapter`
+    # `friction_adapter` applies anisotropic friction, so the engine must not
     friction = 0.0 if surface.friction_anisotropy else surface.friction
     options = {
         "lateralFriction": friction,

@@ -19,10 +19,10 @@ from somo_cli.simulation.engine.contacts import LinkIndex
 from somo_cli.simulation.engine.pressing import ContactPair, Pair, PressingForces, PressingPoints
 from somo_cli.simulation.plan.model import Plan
 
-RECOVERY = 0.08  # seen in 3.2.7: share of an overlap that is undone in a step, if not told
+RECOVERY = 0.08  # seen in 3.2.7: share of an overlap undone in a step, by default
 SLOP = 1e-5  # engine units; seen in 3.2.7: added to every gap
 UNTOLD_DAMPING = 0.1  # engine units; seen in 3.2.7: of a rigid surface, against one that is not
-LIMIT = 1e-5  # relative: friction as near to its limit slides
+LIMIT = 1e-5  # relative: friction this near to its limit slides
 
 
 class BulletContactReader:

@@ -1,4 +1,4 @@
-"""What touched in the last step, by the numbers that the plan gives to bodies and links."""
+"""Report the contacts of the last step, with bodies and links numbered as in the plan."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ class ContactReport:
     ) -> None:
         self.places = places
         self.count = 0
-        """How many points there were when `penetrations` was called last."""
+        """The number of contact points when `penetrations` was called last."""
         self._contacts = contacts
         self._corrections = corrections
         self._body_numbers = {body: number for (body, _), (number, _) in places.items()}
 
     def contact_points(self) -> list[ContactPoint]:
-        """Return every contact point, in the engine's order, then the friction applied beside."""
+        """Return every contact point in the engine's order, then the friction forces we applied."""
         places = self.places
         found = [
             ContactPoint(
@@ -56,7 +56,7 @@ class ContactReport:
         return found
 
     def penetrations(self) -> list[tuple[LinkIndex, LinkIndex, float]]:
-        """Return which parts were how deep in each other; depths above 0 only."""
+        """Return each pair of links that overlapped, and its depth, above 0."""
         places = self.places
         reported = self._contacts.points()
         self.count = len(reported)
@@ -72,7 +72,7 @@ class ContactReport:
         ]
 
     def normal_forces(self) -> dict[BodyPair, float]:
-        """Return the sum of normal forces between each two bodies that pressed."""
+        """Return the sum of normal forces of each pair of bodies that pressed."""
         numbers, found = self._body_numbers, dict[BodyPair, float]()
         for point in self._contacts.reported():
             force = point[NORMAL_FORCE]

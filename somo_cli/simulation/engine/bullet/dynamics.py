@@ -42,7 +42,7 @@ class BulletDynamics:
         self._base_velocity = partial(module.getBaseVelocity, index, client)
 
     def _update_gravity_in_base(self) -> None:
-        """Update the gravity in the axes of the base from its start pose, which is set."""
+        """Set the gravity in the axes of the base, from its start pose."""
         axes = geometry.transposed(self.base_inertial_pose().rotation)
         self._gravity_in_base = geometry.rotate(axes, self._gravity)
         difference = geometry.subtract(self._gravity, self._gravity_in_base)
@@ -60,7 +60,7 @@ class BulletDynamics:
         rest = [0.0] * self._coordinate_count
 
         def inverse_dynamics(positions: Sequence[float], rates: Sequence[float]) -> Array:
-            # seen in 3.2.7: names cost a fifth of a call that short; the zero is for its flags
+            # seen in 3.2.7: keywords cost a fifth of so short a call; the zero is its flags
             return read(pack(*inverse(index, positions, rates, rest, 0, client)))
 
         # seen in 3.2.7: forces on the base come out as (linear, angular)
@@ -83,7 +83,7 @@ class BulletDynamics:
         if self._is_free:
             self._free_base = FreeBase.of(matrix)
             return self._free_base.joint_inertia
-        # products with an array of its own take a third of those with a part of another
+        # a product with a contiguous copy takes a third of the time of one with a view
         joints: Array = matrix[6:, 6:].copy()
         return joints
 
@@ -95,8 +95,8 @@ class BulletDynamics:
         try:
             rows = self.engine.calculateMassMatrix(self.index, angles)
         except (SystemError, self.engine.error) as error:
-            # seen in 3.2.7: it takes rounding of more than 1e-15 for an inertia that is not
-            # symmetric, so one of more than about 1 engine unit, in turned axes, is refused
+            # seen in 3.2.7: it rejects an inertia as asymmetric for differences above 1e-15, which
+            # rounding alone causes for more than about 1 engine unit in rotated axes
             raise EngineRefused(
                 self._body.name,
                 "its inertias are too large for the engine's dynamics; the mass factor of "
@@ -107,10 +107,10 @@ class BulletDynamics:
         return np.frombuffer(b"".join([pack(*row) for row in rows])).reshape(size, size)
 
     def inertial_forces(self, angles: Sequence[float], motion: Array, acceleration: Array) -> Array:
-        """Return the forces, (6 + n,), that a free body needs to move so where nothing acts on it.
+        """Return the forces, (6 + n,), that produce this motion of a free body without gravity.
 
-        Forces, motion and acceleration, (6 + n,), are those of the base first, angular, then
-        linear, in its own axes; its velocity changes nothing. There is no gravity.
+        Forces, motion and acceleration, (6 + n,), start with those of the base, angular, then
+        linear, in its own axes. Its linear velocity has no influence.
         """
         set_gravity, client = self.engine.module.setGravity, self.engine.number
         set_gravity(0.0, 0.0, 0.0, client)

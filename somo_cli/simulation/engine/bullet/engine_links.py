@@ -27,14 +27,14 @@ class LinkState(NamedTuple):
 
 
 class EngineLinks:
-    """Every link of an engine; what is asked of one is bound once, because it is asked often."""
+    """Every link of an engine; its readers are bound once, because they are called often."""
 
     def __init__(self, engine: BulletClient) -> None:
         self.engine = engine
         self._readers: dict[tuple[EngineLinkId, bool], Callable[[], LinkState]] = {}
 
     def state(self, place: EngineLinkId) -> LinkState:
-        """Return how a link moves now."""
+        """Return the present motion of a link."""
         return self._read(place, True)
 
     def state_at_contact(self, place: EngineLinkId, time_step: float) -> LinkState:

@@ -1,4 +1,4 @@
-"""Friction that depends on the direction, between the engine's steps: its contacts, our forces."""
+"""Apply anisotropic friction between steps, at the contacts that the engine has found."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ class FrictionAdapter:
             (one.body, one.link): one for one in links
         }
         self.applied: list[tuple[ContactKey, Sequence[float], list[float]]] = []
-        """What was applied for the last step: to which links, where, the force on the first."""
+        """The friction applied in the last step: both links, the point, the force on the first."""
         self._bodies = sorted(
             {one.body for one in links if one.surface.friction_anisotropy is not None}
         )
@@ -140,7 +140,7 @@ class FrictionAdapter:
         }
 
     def apply(self) -> None:
-        """Apply the friction for the coming step to all that touch."""
+        """Apply the friction of the coming step at every contact."""
         reported = list(self._contacts())
         self.applied = []
         if not reported:
@@ -193,8 +193,8 @@ class FrictionAdapter:
     def _pose_history(self, places: Sequence[EngineLinkId]) -> PoseHistory:
         """Return the trails of links.
 
-        One that touches only now came by its present velocity, and so did one that is where it was:
-        it rests, or a trial step at the start of the run was undone.
+        For a link that has just begun to touch, earlier poses follow from its present velocity. So
+        do those of a link that has not moved: it rests, or the start of the run undid a trial step.
         """
         reported = zip(*map(self._inertial_state, places), strict=True)
         centres, axes, velocities, spins = map(np.array, reported)
@@ -222,7 +222,7 @@ class FrictionAdapter:
                 key = contact.key
                 if key[0] == key[2] or key[:2] not in self._factors:
                     continue
-                # two such links: the first body's factors count
+                # if both links are anisotropic, the factors of the first body count
                 if key[2:] in self._factors and key[2] < key[0]:
                     continue
                 yield contact

@@ -1,7 +1,7 @@
-"""Prescribed motion in PyBullet: a base led by a constraint, and an object of infinite mass.
+"""Prescribed motion in PyBullet: a base moved by a constraint, and an object of infinite mass.
 
-A base is led by a constraint, because the engine then feels its acceleration and hands it on to
-the joints. An object is a body of infinite mass whose velocity is set.
+A constraint moves the base, because the engine then takes its acceleration into account and passes
+it on to the joints. An object is a body of infinite mass whose velocity is set.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class PrescribedBody(BulletBody):
         super().__init__(engine, body, gravity, path)
 
     def move_base(self, goal: Pose, is_at_rest: bool) -> None:
-        """Lead the base frame to this pose in the next step, and keep it there if it is at rest."""
+        """Move the base frame to this pose in the next step; hold it there if it is at rest."""
         present = self.base_inertial_pose()
         centre, axes = present.position, present.rotation
         way = geometry.subtract(goal.point(self._com_in_base), centre)
@@ -81,7 +81,7 @@ class KinematicObject(BulletObject):
         super().__init__(engine, planned, path)
 
     def move_to(self, goal: Pose, time_step: float) -> None:
-        """Lead the frame to this pose in the next step."""
+        """Move the frame to this pose in the next step."""
         goal = self.to_engine(goal)
         centre, orientation = self._engine_pose()
         axes = geometry.rotation_from_quaternion(orientation)
@@ -94,7 +94,7 @@ class KinematicObject(BulletObject):
         self.engine.resetBaseVelocity(self.index, *self._velocity)
 
     def hold_pose(self) -> None:
-        """Hold the frame where it is until it is moved."""
+        """Hold the frame at its present pose until the next `move_to`."""
         self._velocity = (geometry.ZERO, geometry.ZERO)
         self.engine.resetBaseVelocity(self.index, *self._velocity)
 
@@ -107,10 +107,10 @@ class KinematicObject(BulletObject):
 
 
 def _before_turning(way: Vector, turn: Vector) -> Vector:
-    """Return the displacement w for which w + turn x w is the one that is wanted.
+    """Return the displacement w for which w + turn x w is the wanted one.
 
-    Seen in 3.2.7: the engine adds spin times velocity to the acceleration of a fixed base that
-    does both, and so leads it aside by h² of that in each step.
+    Seen in 3.2.7: the engine adds spin x velocity to the acceleration of a fixed base that moves
+    and rotates, which displaces it by h² times that in each step.
     """
     if turn == geometry.ZERO or way == geometry.ZERO:
         return way

@@ -1,4 +1,4 @@
-"""The contact points of the last step as PyBullet reports them, by names, asked for once a step."""
+"""The contact points of the last step as PyBullet reports them, read once a step, with names."""
 
 from __future__ import annotations
 
@@ -66,8 +66,8 @@ def contacts_of_body(engine: BulletClient, body: int) -> list[EngineContact]:
 class LastContacts:
     """The contact points of the last step.
 
-    With `is_shared` several readers of a step share one list: who steps the engine calls `clear`
-    before. Asked for all points, the engine swaps and turns nothing.
+    With `is_shared`, all readers of a step share one list, and the caller must call `clear` before
+    it steps the engine. In a list of all points, the engine does not swap links or turn normals.
     """
 
     def __init__(self, engine: BulletClient, is_shared: bool = False) -> None:
@@ -98,5 +98,5 @@ class LastContacts:
         return found
 
     def clear(self) -> None:
-        """Forget the points, because the engine is about to step."""
+        """Drop the list of points; call this before the engine steps."""
         self._reported = self._points = None

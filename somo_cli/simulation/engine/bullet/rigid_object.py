@@ -47,7 +47,7 @@ class BulletObject:
             mismatches = object_mismatches(engine, self.index, planned)
             if mismatches:
                 raise EngineRefused(self._object.name, "; ".join(mismatches))
-        # seen in 3.2.7: the pose that the engine tells is that of these moments' axes
+        # seen in 3.2.7: the engine reports the pose of the axes of these moments
         self.principal_moments: Vector = (
             geometry.ZERO
             if self._object.has_prescribed_pose
@@ -145,7 +145,7 @@ class BulletObject:
 
 
 def _load(engine: BulletClient, planned: PlannedObject, path: str) -> int:
-    """Load an object and return its number; an object that nothing moves gets no inertia."""
+    """Load an object and return its number; an object that cannot move gets no inertia."""
     is_fixed = planned.rigid_object.has_prescribed_pose
     if planned.compound:
         stem = path.removesuffix(".urdf")

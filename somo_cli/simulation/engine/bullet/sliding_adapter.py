@@ -34,8 +34,8 @@ STARTING_STEPS = 16  # with a check in each; later sliding is found at the next 
 class SlidingAdapter:
     """Corrects the direction of sliding friction from step to step.
 
-    Call `apply` before every step; it works while the friction of something that slides has a part
-    missing. `check`, called now and then, finds what has begun to slide.
+    Call `apply` before every step: it does nothing unless a sliding contact lacks some friction.
+    Call `check` at intervals: it finds contacts that have begun to slide.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class SlidingAdapter:
         self._first = STARTING_STEPS
         self.is_active = True
         self.applied: list[tuple[ContactKey, Sequence[float], Sequence[float]]] = []
-        """What was applied for the last step: the links, the point, the force on the first."""
+        """The friction applied in the last step: both links, the point, the force on the first."""
 
     def check(self, reported: Iterable[EngineContact]) -> None:
         """Begin to correct if a contact of the last step slides, as the engine reports it."""

@@ -87,11 +87,11 @@ class BulletWorld:
         return self._report.contact_points()
 
     def penetrations(self) -> list[tuple[LinkIndex, LinkIndex, float]]:
-        """Return each two parts that overlapped in the last step, with the depth, above 0."""
+        """Return each pair of links that overlapped in the last step, and its depth, above 0."""
         return self._report.penetrations()
 
     def normal_forces(self) -> dict[BodyPair, float]:
-        """Return the sum of normal forces of each two bodies that pressed in the last step."""
+        """Return the sum of normal forces of each pair of bodies that pressed in the last step."""
         return self._report.normal_forces()
 
     def contact_reader(self) -> BulletContactReader:
@@ -116,10 +116,9 @@ class BulletWorld:
             return collision_filter.depths(self.engine, order + self._ground_indices)
 
     def claim_engine(self) -> None:
-        """Set again what all engines of a process share, since another one may have set it.
+        """Set the parameters that all engines of a process share, in case another changed them.
 
-        Seen in 3.2.7: contactBreakingThreshold is one for all of them. Without contact it is of
-        no use.
+        Seen in 3.2.7: they share contactBreakingThreshold. Without contact it has no effect.
         """
         if not (self._plan.can_touch or self._plan.keeps_unused):
             return
@@ -130,10 +129,10 @@ class BulletWorld:
         self._start = self.engine.saveState()
 
     def restore_start(self) -> None:
-        """Go back to the state that was kept.
+        """Restore the state that `save_start` saved.
 
-        Seen in 3.2.7: what depends on contacts of the past is not part of it, so this is for
-        worlds in which nothing can touch.
+        Seen in 3.2.7: the state lacks the history of contacts, so use this only for worlds in which
+        nothing can touch.
         """
         self.engine.restoreState(self._start)
 
@@ -144,10 +143,10 @@ class BulletWorld:
     def _load_plan(self) -> None:
         # advances every body by one time step; torques last for one step
         self.step = partial(self.engine.module.stepSimulation, self.engine.number)
-        # the cache would serve an old file under a known name, even after a reset; the solver would
-        # be content with 50 iterations, or with an error of 3e-4 engine units per second, which to
-        # the constraints, contacts and dry friction of a small body is as good as any; so it goes
-        # on for as many as a step's contacts need
+        # The file cache would return an old file under a known name, even after a reset. By default
+        # the solver stops after 50 iterations, or at a residual of 3e-4 engine units per second,
+        # which is too coarse for the constraints, contacts and dry friction of a small body. So it
+        # iterates for as long as the contacts of a step need.
         self.engine.setPhysicsEngineParameter(
             enableFileCaching=0,
             fixedTimeStep=self._plan.time_step,
