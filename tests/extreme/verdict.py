@@ -58,7 +58,7 @@ class Verdict:
         """The cells of the matrix under HEADER."""
         runs = (self.implicit, self.euler, self.explicit)
         said = " ".join(self.said)
-        return (self.case.name, *(_told(one) for one in runs), _limit(self), said)
+        return (self.case.name, *(_outcome_words(one) for one in runs), _limit(self), said)
 
 
 def verdict(case: Case) -> Verdict:
@@ -124,7 +124,8 @@ def _fails(run: Outcome) -> bool:
     return run.diverged is not None or run.is_restless or run.is_creative
 
 
-def _told(run: Outcome) -> str:
+def _outcome_words(run: Outcome) -> str:
+    """Return in words how a run ended, as the table of `make extreme` prints it."""
     if run.refused is not None:
         return "refused"
     if run.diverged is not None:
