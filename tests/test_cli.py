@@ -568,7 +568,8 @@ def test_a_diverged_run_reports_where_and_keeps_its_rows(somo: Somo, here: Path)
 # --- the same bytes everywhere
 
 
-def made(somo: Somo, folder: Path, **options: object) -> tuple[bytes, bytes]:
+def built_and_run_bytes(somo: Somo, folder: Path, **options: object) -> tuple[bytes, bytes]:
+    """Return the bytes of a URDF and a CSV that the commands write to `folder`."""
     for arguments in (
         ("build", "shapes.yaml", "-q", "-o", "made.urdf"),
         ("run", "bent.yaml", "-q", "--steps", "300", "--every", "100", "-o", "made.csv"),
@@ -616,21 +617,23 @@ def comma_locale(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
 def test_another_process_makes_the_same_bytes(
     somo: Somo, here: Path, other: dict[str, str]
 ) -> None:
-    assert made(somo, here, env=other) == made(somo, here, env={"PYTHONHASHSEED": "0"})
+    assert built_and_run_bytes(somo, here, env=other) == built_and_run_bytes(
+        somo, here, env={"PYTHONHASHSEED": "0"}
+    )
 
 
 @pytest.mark.moderate
 def test_another_folder_makes_the_same_bytes(somo: Somo, here: Path) -> None:
     deeper = here / "deeper folder"
     shutil.copytree(here, deeper, ignore=shutil.ignore_patterns("deeper*"))
-    assert made(somo, deeper, cwd=deeper) == made(somo, here)
+    assert built_and_run_bytes(somo, deeper, cwd=deeper) == built_and_run_bytes(somo, here)
 
 
 @pytest.mark.moderate
 def test_a_locale_with_commas_makes_the_same_bytes(
     somo: Somo, here: Path, comma_locale: dict[str, str]
 ) -> None:
-    assert made(somo, here, env=comma_locale) == made(somo, here)
+    assert built_and_run_bytes(somo, here, env=comma_locale) == built_and_run_bytes(somo, here)
 
 
 # --- examples

@@ -97,7 +97,7 @@ def fine(scene: Scene) -> np.ndarray:
     return tips(scene, "implicit", FINE)
 
 
-def off(scene: Scene, integrator: Integrator, step: float) -> float:
+def tip_error(scene: Scene, integrator: Integrator, step: float) -> float:
     """Return the largest error of the tip at the rows, relative to the length."""
     length = scene.manipulators[0].compiled.chain.length
     away = np.linalg.norm(tips(scene, integrator, step) - fine(scene), axis=1)
@@ -162,7 +162,7 @@ def test_predictions_are_honest(scenes: dict[str, Scene], held: Held) -> None:
         motion = predicted(scene)
         for integrator, steps in STEPS.items():
             for step in steps:
-                true = off(scene, integrator, step)
+                true = tip_error(scene, integrator, step)
                 if MATTERS[0] < true < MATTERS[1]:
                     ratios[name, integrator, step] = motion.error(integrator, step) / true
     found = np.array(list(ratios.values()))
@@ -180,7 +180,7 @@ def test_the_recommended_step_keeps_to_a_percent(name: str) -> None:
     assert f"{step:.0e}"[0] in "125"
     # rows fall on whole steps
     step_of_rows = EVERY / math.ceil(EVERY / step * (1 - 1e-9))
-    assert off(SCENES[name], "implicit", step_of_rows) < 0.01
+    assert tip_error(SCENES[name], "implicit", step_of_rows) < 0.01
 
 
 def pushed(times: np.ndarray, values: np.ndarray, root: complex) -> Vibration:

@@ -106,7 +106,8 @@ def test_a_simulated_motion_is_interpolated_to_second_order() -> None:
     whole = RecordedMotion(scene, dict(zip(names, zip(*rows, strict=True), strict=True)))
     parts = parts_of(scene)
 
-    def off(stride: int) -> float:
+    def position_error(stride: int) -> float:
+        """Return the largest error of any coordinate [m] with every `stride`-th row."""
         kept = dict(zip(names, zip(*rows[::stride], strict=True), strict=True))
         motion = RecordedMotion(scene, kept)
         return max(
@@ -119,5 +120,5 @@ def test_a_simulated_motion_is_interpolated_to_second_order() -> None:
             )
         )
 
-    assert off(80) < 2e-2
-    assert off(20) < off(80) / 8  # towards a sixteenth
+    assert position_error(80) < 2e-2
+    assert position_error(20) < position_error(80) / 8  # towards a sixteenth

@@ -84,7 +84,7 @@ GUESS: dict[str, Any] = {"stiffness": (0.14, 0.22), "damping": (8e-4, 3e-4), "ga
 TRUTH = {"stiffness": (0.1, 0.3), "damping": (4e-4, 6e-4), "gain": (1 / 1.3, 1 / 1.3)}
 
 
-def off(found: FitResult) -> dict[str, float]:
+def relative_errors(found: FitResult) -> dict[str, float]:
     """Return the relative error of every parameter."""
     return {
         one.name: value / TRUTH[one.kind][one.axis] - 1
@@ -114,7 +114,7 @@ def rows() -> Iterator[Row]:
     for seed in range(4):
         for name, text in halves(noisy(seed)).items():
             found, _ = fitted(driven_finger(**GUESS), text)
-            largest = max(map(abs, off(found).values()))
+            largest = max(map(abs, relative_errors(found).values()))
             worst[name] = max(worst.get(name, 0.0), largest)
     what = "fit of six parameters, 0.1 mm of noise: largest relative error in four recordings"
     for name, error in worst.items():
