@@ -20,7 +20,7 @@ from tests.truth.fitted import (
     halves,
     noisy,
     noisy_table,
-    off,
+    relative_errors,
 )
 
 pytestmark = pytest.mark.slow
@@ -31,7 +31,7 @@ def test_a_fit_recovers_stiffness_damping_and_gain() -> None:
     whole, *half = halves(noisy()).values()
     found, measured = fitted(driven_finger(**GUESS), whole)
     assert len(found.parameters) == 6
-    assert max(map(abs, off(found).values())) < 0.01
+    assert max(map(abs, relative_errors(found).values())) < 0.01
     assert found.residual_rms == pytest.approx(1e-4, rel=0.2)
     assert found.first_residual_rms.max() > 1e-2
     truth = np.array([TRUTH[one.kind][one.axis] for one in found.parameters])
@@ -40,7 +40,7 @@ def test_a_fit_recovers_stiffness_damping_and_gain() -> None:
     # and from half of the data to three per cent
     for text in half:
         again, _ = fitted(driven_finger(**GUESS), text)
-        assert max(map(abs, off(again).values())) < 0.03
+        assert max(map(abs, relative_errors(again).values())) < 0.03
 
 
 def test_the_intervals_hold_the_truth_as_often_as_they_say() -> None:
