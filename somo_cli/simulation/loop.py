@@ -68,7 +68,7 @@ class SimulationLoop:
 
     @property
     def prediction_count(self) -> PredictionCount:
-        """The number of steps so far in which contact forces were predicted."""
+        """The number of steps with contact so far, and of those in which it was not predicted."""
         return PredictionCount() if self._prediction is None else self._prediction.count
 
     def actuate(self, step: int) -> None:

@@ -36,7 +36,7 @@ class RunSummary:
     deepest: Penetration | None = None
     findings: tuple[Finding, ...] = ()
     prediction: PredictionCount = field(default_factory=PredictionCount)
-    """The number of steps in which contact forces were predicted."""
+    """The number of steps with contact, and of those in which it was not predicted."""
     struck_limits: bool = False
     """Whether a joint struck a limit that the integrator holds."""
 

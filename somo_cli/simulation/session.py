@@ -100,7 +100,7 @@ class Session:
 
     @property
     def prediction_count(self) -> PredictionCount:
-        """The number of steps so far in which contact forces were predicted."""
+        """The number of steps with contact so far, and of those in which it was not predicted."""
         return self._loop.prediction_count
 
     def actuate(self) -> None:
