@@ -79,6 +79,7 @@ def test_what_needs_more_memory_than_it_may_leaves_nothing(
     assert [path.name for path in tmp_path.iterdir() if not path.name.endswith(".partial")] == []
 
 
+@pytest.mark.moderate
 def test_a_run_within_its_budget_is_as_without_one(somo: Somo) -> None:
     run = ("run", SCENE, "--steps", "100", "-q", "-o", "-")
     within = somo(*run, "--max-seconds", "3600", "--max-memory", "4e4")

@@ -434,12 +434,14 @@ def test_a_run_writes_rows_and_what_they_are_about(somo: Somo, here: Path) -> No
     assert set(about["inputs"]) == {"bent.yaml", "smallest.yaml"}
 
 
+@pytest.mark.moderate
 def test_a_run_of_no_steps_is_the_start(somo: Somo, here: Path) -> None:
     ended = somo("run", "bent.yaml", "--steps", "0", "-q", "-o", "x.csv")
     assert (ended.returncode, ended.stdout, ended.stderr) == (0, "", "")
     assert columns(here / "x.csv")["time_s"] == [0.0]
 
 
+@pytest.mark.moderate
 def test_every_and_time_step_take_the_place_of_those_in_the_scene(somo: Somo, here: Path) -> None:
     options = ("--every", "3", "--time-step", "0.002")
     assert somo("run", "bent.yaml", "--steps", "10", *options).returncode == 0
@@ -542,6 +544,7 @@ def test_an_interrupted_run_keeps_its_rows(start: Start, here: Path) -> None:
     assert len({line.count(",") for line in text.splitlines()}) == 1
 
 
+@pytest.mark.moderate
 def test_a_diverged_run_reports_where_and_keeps_its_rows(somo: Somo, here: Path) -> None:
     (here / "x.csv").write_text("old")
     ended = somo("run", "diverging.yaml", "--steps", "10000", "-o", "x.csv")
@@ -652,6 +655,7 @@ def test_examples_are_copied_and_check(somo: Somo, tmp_path: Path) -> None:
     assert (again.returncode, again.stderr) == (5, "somo: copies: File exists\n")
 
 
+@pytest.mark.moderate
 def test_a_device_gets_no_metadata_beside_it(somo: Somo) -> None:
     assert somo("run", VALID / "smallest.yaml", "--steps", 2, "-o", "/dev/null").returncode == 0
     assert not Path("/dev/null.meta.json").exists()

@@ -21,6 +21,7 @@ CHILDREN = Path("/proc/self/task")
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are not forked")
 
 
+@pytest.mark.moderate
 def test_a_guarded_run_is_as_any_other(somo: Somo, tmp_path: Path) -> None:
     run = ("run", SCENE, "--steps", "100", "-q")
     assert somo(*run, "-o", "a.csv").returncode == 0

@@ -26,6 +26,7 @@ def named(here: Path, name: str) -> None:
     (here / "stranger.yaml").write_text(f"urdf_filename: {name!r}\n{text}", "utf-8")
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("name", ["Makefile", "notes.urdf"])
 def test_a_name_from_a_file_replaces_nothing_that_is_not_ours(
     somo: Somo, here: Path, name: str
@@ -43,6 +44,7 @@ def test_a_name_from_a_file_replaces_nothing_that_is_not_ours(
     assert somo("build", "stranger.yaml").returncode == 0
 
 
+@pytest.mark.moderate
 def test_a_link_to_a_foreign_file_is_not_followed(somo: Somo, here: Path) -> None:
     (here / "secret").write_text("of value", "utf-8")
     (here / "a.urdf").symlink_to("secret")
@@ -102,6 +104,7 @@ def test_a_time_of_too_many_steps_is_said_at_once(
     assert "time steps, more than 1e+08" in " ".join(done.stderr.split())
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize(
     ("command", "text", "place"),
     [
@@ -127,6 +130,7 @@ def test_a_number_of_a_csv_has_the_bounds_of_all_numbers(
     assert "no number may be larger than 1e+20" in done.stderr
 
 
+@pytest.mark.moderate
 def test_measurements_too_small_for_their_squares_are_refused(somo: Somo, here: Path) -> None:
     text = "pressure_pa,force_n\n0,0\n1e-200,1\n2e-200,2\n-1e-200,-1\n"
     (here / "data.csv").write_text(text, "utf-8")
@@ -135,6 +139,7 @@ def test_measurements_too_small_for_their_squares_are_refused(somo: Somo, here: 
     assert "data.csv:1:1: error: the numbers of 'pressure_pa' are too small" in done.stderr
 
 
+@pytest.mark.moderate
 def test_a_scale_far_from_one_is_refused(somo: Somo, here: Path) -> None:
     for scale in ("1e-160", "1e-7", "1e7", "0", "nan"):
         done = somo("build", "finger.yaml", "--scale", scale, "-o", "-")

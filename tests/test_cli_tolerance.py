@@ -17,6 +17,7 @@ RUN = ("run", SCENE, "--steps", "200", "--every", "50")
 FAST = "manipulators[0].initial_rates=5"
 
 
+@pytest.mark.moderate
 def test_a_run_halves_its_step_until_it_is_known(somo: Somo, tmp_path: Path) -> None:
     ended = somo(*RUN, "--set", FAST, "--tolerance", "1e-3")
     assert ended.returncode == 0, ended.stderr
@@ -38,6 +39,7 @@ def test_a_run_halves_its_step_until_it_is_known(somo: Somo, tmp_path: Path) -> 
     assert same.stdout == (tmp_path / "scene.csv").read_text("utf-8")
 
 
+@pytest.mark.moderate
 def test_what_does_not_converge_is_written_and_ends_with_1(somo: Somo, tmp_path: Path) -> None:
     options = ("--tolerance", "finger.tip.y_m=1e-15", "--halvings", "1", "-q")
     ended = somo(*RUN, *options)
@@ -49,6 +51,7 @@ def test_what_does_not_converge_is_written_and_ends_with_1(somo: Somo, tmp_path:
     assert len((tmp_path / "scene.csv").read_text("utf-8").splitlines()) == 6
 
 
+@pytest.mark.moderate
 def test_wrong_tolerances_are_usage_errors(somo: Somo, tmp_path: Path) -> None:
     for options, message in (
         (("--tolerance", "1e-2", "--error"), "leave --error out"),
@@ -61,6 +64,7 @@ def test_wrong_tolerances_are_usage_errors(somo: Somo, tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.moderate
 def test_divergence_of_the_finest_run_ends_with_4(somo: Somo, tmp_path: Path) -> None:
     options = ("--set", "integrator=explicit", "--tolerance", "1e-2", "--halvings", "1")
     ended = somo(*RUN, *options)
@@ -82,6 +86,7 @@ def test_events_are_those_of_the_finest_run(somo: Somo, tmp_path: Path) -> None:
     assert len(found.splitlines()) > 1
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("delay", [0.0, 0.5])
 def test_an_interrupted_run_leaves_nothing(
     tmp_path: Path, environment: dict[str, str], delay: float

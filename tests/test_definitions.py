@@ -181,12 +181,14 @@ def test_every_scene_moves_and_stays_in_bounds(somo: Somo, scene: str, tmp_path:
     assert np.abs(columns(table, ".angle_rad")).max() < 1.0
 
 
+@pytest.mark.moderate
 def test_the_finger_does_not_reach_the_table_it_stands_on(somo: Somo, tmp_path: Path) -> None:
     table = recorded(somo, "scene", 2000, tmp_path)
     # the tip is a ball with its centre 5 mm beyond the end of the backbone
     assert table["finger.tip.z_m"].min() > 0.02
 
 
+@pytest.mark.moderate
 def test_the_bar_turns_and_the_run_ends_at_rest(somo: Somo, tmp_path: Path) -> None:
     table = recorded(somo, "turn_scene", 20000, tmp_path)
     assert table["bar.angles.z_rad"][-1] == pytest.approx(0.21, abs=0.02)
@@ -203,6 +205,7 @@ def test_the_bar_turns_and_the_run_ends_at_rest(somo: Somo, tmp_path: Path) -> N
     ]
 
 
+@pytest.mark.moderate
 def test_what_tumbles_comes_to_rest_at_its_true_height(somo: Somo, tmp_path: Path) -> None:
     table = recorded(somo, "tumble_scene", 2000, tmp_path)
     assert table["die.pose.z_m"][-1] == pytest.approx(0.015, abs=2e-6)
@@ -216,6 +219,7 @@ def test_what_tumbles_comes_to_rest_at_its_true_height(somo: Somo, tmp_path: Pat
         assert table[f"{name}.contact.fz_n"][-1] == pytest.approx(9.81 * mass, rel=1e-3)
 
 
+@pytest.mark.moderate
 def test_the_snake_stays_on_the_spot_and_in_its_plane(somo: Somo, tmp_path: Path) -> None:
     table = recorded(somo, "snake_scene", 1000, tmp_path)
     chain = chain_of_file("snake")
@@ -231,6 +235,7 @@ def test_the_snake_stays_on_the_spot_and_in_its_plane(somo: Somo, tmp_path: Path
     assert np.abs(columns(table, ".tip.z_m")).max() < 1e-6
 
 
+@pytest.mark.moderate
 def test_the_starfish_stands_on_its_arms(somo: Somo, tmp_path: Path) -> None:
     table = recorded(somo, "starfish_scene", 2000, tmp_path)
     raised = columns(table, "base_pose.z_m")[50:]

@@ -12,6 +12,7 @@ from tests.studies.running import recorded
 HEAVY = Grasp(mass_ratio=40)
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("step", [1e-3, 2e-3])
 def test_a_ball_in_three_fingers_is_held_as_with_a_fine_step(step: float) -> None:
     """At 1 ms the force shook by 40 % for ever while the law answered contact a step late."""

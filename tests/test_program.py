@@ -51,6 +51,7 @@ def test_a_full_disk_is_an_exit_code_and_a_message(
     assert done.stderr == "somo: standard output: No space left on device\n"
 
 
+@pytest.mark.moderate
 @pytest.mark.skipif(os.name != "posix", reason="a shell closes the stream")
 @pytest.mark.parametrize("arguments", ["--version", "build finger.yaml -o -"])
 def test_a_closed_standard_output_is_no_success(

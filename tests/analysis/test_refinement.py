@@ -60,6 +60,7 @@ def test_the_finest_run_is_that_of_its_step_with_rows_at_the_same_instants() -> 
     assert found.run_time == found.levels[-1].run_time * len(found.levels)
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("share", [3e-2, 1e-3])
 def test_the_true_error_is_within_the_tolerance(share: float) -> None:
     found, rows = refined(SWING, 40, share)

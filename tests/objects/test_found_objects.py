@@ -155,6 +155,7 @@ def test_a_marker_needs_to_be_said_to_be_one() -> None:
     assert problem.hint.startswith("set collides: false")
 
 
+@pytest.mark.moderate
 def test_pieces_of_a_decomposed_mesh_are_touched_and_always_the_same() -> None:
     sets = ("objects[0].hulls=decompose",)
     (first, _), (second, _) = (scene("trough_mesh.yaml", *sets).objects for _ in range(2))

@@ -152,6 +152,7 @@ def test_the_same_numbers_make_the_same_bytes(table: Table, kind: str) -> None:
     assert trajectories.draw({"run": table}, panels, "time_s", kind) == first
 
 
+@pytest.mark.moderate
 def test_the_command_and_its_mistakes(somo: Somo, tmp_path: Path) -> None:
     (tmp_path / "run.csv").write_text(CSV, "utf-8")
     (tmp_path / "results.csv").write_text(SWEEP, "utf-8")

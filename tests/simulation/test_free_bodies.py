@@ -59,6 +59,7 @@ def test_orientation_is_of_order_two(body: Spinning, tmp_path: Path) -> None:
     assert errors[1] < 0.03 if body is PENCIL else errors[1] < 4e-4
 
 
+@pytest.mark.moderate
 def test_the_references_agree() -> None:
     assert symmetric_top(PENCIL, 1.0) == pytest.approx(orientation(PENCIL, 1.0), abs=1e-9)
     # MuJoCo 3.17, the newest for Python 3.10, is 1.5e-7 off here, 4.0 no more than rounding

@@ -340,6 +340,7 @@ def test_a_start_in_the_ground_is_found_by_the_engine() -> None:
     assert ["overlaps the ground" in one.message for one in found] == [True]
 
 
+@pytest.mark.moderate
 def test_a_hundred_thousand_rows_are_read_in_seconds(tmp_path: Path) -> None:
     rows = [(i * 1e-3, math.sin(i * 1e-3), 0.0, 0.0, 0.0, 0.0, i * 1e-3) for i in range(100_000)]
     (tmp_path / "long.csv").write_text(csv_of(rows), "utf-8")

@@ -208,6 +208,7 @@ def test_a_free_chain_keeps_its_momentum(integrator: str, monkeypatch: pytest.Mo
     assert coarse[1] / fine[1] > 6, (coarse, fine)
 
 
+@pytest.mark.moderate
 @pytest.mark.parametrize("integrator", ["implicit", "euler"])
 def test_a_free_chain_whose_momentum_is_followed_keeps_it_better(
     integrator: str, monkeypatch: pytest.MonkeyPatch

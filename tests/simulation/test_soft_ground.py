@@ -31,6 +31,7 @@ def test_a_disc_without_friction_stays_flat() -> None:
     assert tilt < 0.5
 
 
+@pytest.mark.moderate
 def test_a_snake_that_lies_does_not_begin_to_roll() -> None:
     """The shipped one, light on its ground, left points of contact behind and rolled off."""
     snake = {

@@ -191,6 +191,7 @@ def test_a_base_that_turns_too_far_in_a_step_ends_the_run() -> None:
         chain_motion(plan, 0.1)
 
 
+@pytest.mark.moderate
 def test_a_spinning_chain_that_falls_loses_energy_and_comes_to_rest() -> None:
     ground = {"height": -0.4, "friction": 0.5}
     scene: dict[str, object] = {"gravity": [0, 0, -9.81], "ground": ground}

@@ -225,6 +225,7 @@ def test_an_interrupted_sweep_says_how_it_goes_on(here: Path, environment: dict[
     assert (here / "study_results" / "results.csv").read_text("utf-8").startswith("run,segments,")
 
 
+@pytest.mark.moderate
 def test_wrong_usage_and_inputs_that_would_be_replaced(somo: Somo, here: Path) -> None:
     for options, message in (
         (("--retry-failed",), "it is for --resume"),

@@ -63,6 +63,7 @@ def prediction_of(output: Path) -> dict[str, int]:
     return counts
 
 
+@pytest.mark.moderate
 def test_a_run_with_more_points_than_are_predicted_says_so(somo: Somo, tmp_path: Path) -> None:
     pytest.importorskip("pybullet")
     output = tmp_path / "rows.csv"
@@ -76,6 +77,7 @@ def test_a_run_with_more_points_than_are_predicted_says_so(somo: Somo, tmp_path:
     assert told["steps_with_too_many_points"] == told["steps_with_contact"]
 
 
+@pytest.mark.moderate
 def test_as_many_points_without_friction_are_predicted(somo: Somo, tmp_path: Path) -> None:
     """Friction that depends on the direction is ours: to the engine the points have none."""
     pytest.importorskip("pybullet")
