@@ -32,6 +32,7 @@ The rooms of the code, each of which knows only those before it (`make map` draw
 - `analysis/`: error against run time, stability and conditioning.
 - `calibration/`: from measurements to stiffness, damping and torque.
 - `picture/`: pictures and films without a display.
+- `document_kinds`: which kind of document a file holds.
 - `loading`: from a path to a checked document.
 - `api/`: the public Python API.
 - `sweep/`: a scene run for many sets of parameters.

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from os import PathLike, fspath
 from typing import TypeAlias
 
-from somo_cli import loading
+from somo_cli import document_kinds, loading
 from somo_cli.document.parse import Document
 from somo_cli.manipulator.compile import Compiled, compile_definition
 from somo_cli.manipulator.dimensions import Scale
@@ -73,7 +73,7 @@ def compiled(source: Source) -> Compiled:
     Raises InvalidFile and OSError.
     """
     document = document_of(source)
-    loading.refuse_scene(document)
+    document_kinds.refuse_scene(document)
     return compile_definition(document)
 
 

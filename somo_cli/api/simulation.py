@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Mapping
 from types import TracebackType
@@ -15,7 +14,7 @@ from somo_cli.arrays import Array
 from somo_cli.loading import Auto
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.kinematics import Pose
-from somo_cli.scene.model import Scene
+from somo_cli.scene.model import without_recording
 from somo_cli.simulation.dynamics.forward_kinematics import (
     ForwardKinematics,
     frames_from_poses,
@@ -51,7 +50,7 @@ class Simulation:
         document = document_of(source)
         scene, _ = loading.scene_of(document, None, time_step)
         loading.refuse_overlaps(document, scene)
-        self._plan = make_plan(_unrecorded(scene))
+        self._plan = make_plan(without_recording(scene))
         self._units = unit_factors_of(self._plan)
         self._numbers = {name: number for number, name in enumerate(self._plan.recorded.names[:-1])}
         self._poses = [ForwardKinematics(body.chain) for body in self._plan.bodies]
@@ -237,15 +236,3 @@ class Simulation:
     def _unknown(name: str, known: Mapping[str, int]) -> str:
         names = f"the names are {', '.join(known)}" if known else "it has no such names at all"
         return f"the scene has no '{name}'; {names}"
-
-
-def _unrecorded(scene: Scene) -> Scene:
-    """Return the scene without recording and stop conditions: the user reads the state instead."""
-    return dataclasses.replace(
-        scene,
-        columns=(),
-        object_quantities=(),
-        only=(),
-        stop_conditions=(),
-        has_contact_events=False,
-    )

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from somo_cli import output_files, terminal
+from somo_cli import document_kinds, output_files, terminal
 from somo_cli.cli.application import (
     EXIT_CODES,
     QuietOption,
@@ -66,7 +66,7 @@ def build(
     is_name = tip_frame is None or _is_name(tip_frame)
     require(is_name, "--tip-frame", f"{tip_frame!r} is not a safe name")
     document = loading.load(definition, sets or [])
-    loading.refuse_scene(document)
+    document_kinds.refuse_scene(document)
     compiled = compile_definition(document)
     terminal.print_problems(compiled.warnings, document.texts)
     if tip_frame is not None:

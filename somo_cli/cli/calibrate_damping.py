@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from somo_cli import terminal
+from somo_cli import document_kinds, terminal
 from somo_cli.cli.application import EXIT_CODES, report_errors, require
 from somo_cli.cli.calibrate import (
     ActuatorOption,
@@ -129,7 +129,7 @@ def _scene(path: str) -> "tuple[Document, Scene]":
     terminal.print_problems(warnings, document.texts)
     if not is_scene(document):
         found = dataclasses.replace(found, gravity=(0.0, 0.0, 0.0))
-    loading.refuse_multiple(document, found, "a damping ratio is")
+    document_kinds.refuse_multiple(document, found, "a damping ratio is")
     return document, found
 
 

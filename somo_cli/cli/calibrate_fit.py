@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from somo_cli import terminal
+from somo_cli import document_kinds, terminal
 from somo_cli.cli.application import (
     EXIT_CODES,
     OutsideOption,
@@ -87,7 +87,7 @@ def fit(
     terminal.print_problems(warnings, document.texts)
     loading.refuse_overlaps(document, planned)
     document = loading.as_scene(document)
-    loading.refuse_multiple(document, planned, "a fit is")
+    document_kinds.refuse_multiple(document, planned, "a fit is")
     require_targets(document, write, patch)
     table = read_measurements(data)
     require_columns(table, (TIME,), TIME, MIN_ROWS, "a fit")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from somo_cli import terminal
+from somo_cli import document_kinds, terminal
 from somo_cli.cli.application import require
 from somo_cli.cli.calibrate_result import require_targets
 
@@ -83,8 +83,8 @@ def _from_definition(path: str, actuator: int, axis: int, at: float | None) -> J
     from somo_cli.manipulator.compile import compile_definition
 
     document = loading.load(path)
-    loading.refuse_scene(document)
-    loading.refuse_assembly(document, "a calibration is")
+    document_kinds.refuse_scene(document)
+    document_kinds.refuse_assembly(document, "a calibration is")
     compiled = compile_definition(document)
     terminal.print_problems(compiled.warnings, document.texts)
     known = moment_arms.of_definition(compiled.definition, actuator, axis, at)

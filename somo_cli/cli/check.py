@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from somo_cli import terminal
+from somo_cli import document_kinds, terminal
 from somo_cli.cli.application import (
     EXIT_CODES,
     OutsideOption,
@@ -129,7 +129,7 @@ def _problems_of(
     """Return the problems of a file, and the texts that they lie in."""
     from somo_cli import loading
 
-    if not loading.is_study(document):
+    if not document_kinds.is_study(document):
         return loading.check_with_overlaps(document), document.texts
     from somo_cli.sweep import sweep
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from somo_cli import output_files, terminal
+from somo_cli import document_kinds, output_files, terminal
 from somo_cli.budget import Budget
 from somo_cli.cli.application import (
     EXIT_CODES,
@@ -113,7 +113,7 @@ def report(
     document = loading.load(scene, sets or [], *access_of(allow_outside, package))
     planned, warnings = loading.scene_of(document)
     terminal.print_problems(warnings, document.texts)
-    loading.refuse_without_manipulators(
+    document_kinds.refuse_without_manipulators(
         document, planned, "the report measures errors of tips; run --error measures objects"
     )
     loading.refuse_overlaps(document, planned)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -161,3 +162,15 @@ def single_manipulator_scene(definition: Document) -> Document:
     spans |= {place[:length]: definition.spans[()] for length in range(len(place))}
     data = {"manipulators": [{"definition": definition.data}]}
     return Document(definition.source, data, definition.texts, spans)
+
+
+def without_recording(scene: Scene) -> Scene:
+    """Return the scene without recording and stop conditions, for users who read the state."""
+    return dataclasses.replace(
+        scene,
+        columns=(),
+        object_quantities=(),
+        only=(),
+        stop_conditions=(),
+        has_contact_events=False,
+    )

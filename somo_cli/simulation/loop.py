@@ -91,6 +91,7 @@ class SimulationLoop:
         row = until if assembler is None else first + -first % every
         is_steady = self.is_steady = self._is_steady(first, until)
         applies = self._applies(first)
+        was_chosen = first % MONITORING_INTERVAL == 0  # so what is applied then changes after it
         for step in range(first, until):
             if not is_steady and step > first:
                 actuate(step)
@@ -98,9 +99,9 @@ class SimulationLoop:
                 assembler.take(step)
             for apply in applies:
                 apply()
-            if step == first and step + 1 < until:
+            if was_chosen and step + 1 < until:
                 # not beyond: a check that is due there is for the state there
-                applies = self._applies(step + 1)
+                applies, was_chosen = self._applies(step + 1), False
             step_world()
             for read in reads:
                 read()

@@ -168,10 +168,10 @@ def _kinematic_objects(plan: Plan, world: World) -> list[KinematicObjectStepper]
             plan,
             planned,
             planned.path,
-            cast(WorldKinematicObject, thing),
+            cast(WorldKinematicObject, world_object),
             _contact_force_on(world, number),
         )
-        for number, (planned, thing) in enumerate(
+        for number, (planned, world_object) in enumerate(
             zip(plan.objects, world.objects, strict=True), start=len(plan.bodies)
         )
         if planned.path is not None

@@ -38,8 +38,17 @@ KNOWS: dict[str, set[str]] = {
     "analysis": _RUN | {"document"},
     "calibration": _RUN | {"document", "analysis"},
     "picture": _RUN | {"simulation.engine.bullet", "analysis"},
+    "document_kinds": _MEANING - {"arrays"} | {"scene", "scene.checks"},
     "loading": _RUN
-    | {"document", "scene.checks", "simulation.engine.bullet", "analysis", "files", "packages"},
+    | {
+        "document_kinds",
+        "document",
+        "scene.checks",
+        "simulation.engine.bullet",
+        "analysis",
+        "files",
+        "packages",
+    },
     "api": _RUN
     | {
         "document",
@@ -48,6 +57,7 @@ KNOWS: dict[str, set[str]] = {
         "analysis",
         "files",
         "output_files",
+        "document_kinds",
         "loading",
     },
     "sweep": _SCENE
@@ -57,6 +67,7 @@ KNOWS: dict[str, set[str]] = {
         "files",
         "output_files",
         "packages",
+        "document_kinds",
         "loading",
         "api",
     },
@@ -77,6 +88,7 @@ KNOWS: dict[str, set[str]] = {
         "files",
         "output_files",
         "packages",
+        "document_kinds",
         "loading",
     },
     "__main__": {"", "files", "signals", "terminal", "cli"},

@@ -1,7 +1,9 @@
 """What a user's own loop costs: `Simulation.step` ten steps at a time against many at once.
 
-Run by `make bench`. Both ways take turns in one simulation, each time for the same number of steps;
-printed are the median of the ratio over the rounds, and what a call costs beside its steps.
+Run by `make bench`. Two simulations of a scene take the same steps, in turn and in either order:
+one at once, the other ten at a time. In one simulation the two ways would get different steps, of
+which some have contact. Printed are the median of the ratio over the rounds, and what a call costs
+beside its steps.
 """
 
 from __future__ import annotations
@@ -20,18 +22,18 @@ ROUNDS = 300
 
 def costs(scene: str, rounds: int = ROUNDS) -> tuple[float, float, float]:
     """Return the time of a step [us] taken at once, that by ten over it, and us for each call."""
-    whole: list[float] = []
-    by_call: list[float] = []
-    with somo.Simulation(DEFINITIONS / scene) as simulation:
-        simulation.step(AT_ONCE * CALLS)
+    times: dict[int, list[float]] = {AT_ONCE: [], AT_ONCE * CALLS: []}
+    path = DEFINITIONS / scene
+    with somo.Simulation(path) as first, somo.Simulation(path) as second:
+        ways = [(first, AT_ONCE * CALLS), (second, AT_ONCE)]
         for _ in range(rounds):
-            started = time.process_time()
-            simulation.step(AT_ONCE * CALLS)
-            middle = time.process_time()
-            for _ in range(CALLS):
-                simulation.step(AT_ONCE)
-            by_call.append(time.process_time() - middle)
-            whole.append(middle - started)
+            for simulation, steps in ways:
+                started = time.process_time()
+                for _ in range(AT_ONCE * CALLS // steps):
+                    simulation.step(steps)
+                times[steps].append(time.process_time() - started)
+            ways.reverse()
+    by_call, whole = times.values()
     ratio = statistics.median(one / other for one, other in zip(by_call, whole, strict=True))
     step = statistics.median(whole) / (AT_ONCE * CALLS)
     return 1e6 * step, ratio, 1e6 * step * AT_ONCE * (ratio - 1)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from somo_cli import loading
+from somo_cli import document_kinds, loading
 from somo_cli.packages import Access
 from somo_cli.problems import InvalidFile
 from somo_cli.sweep import sweep
@@ -101,7 +101,7 @@ def test_a_scene_is_no_study_and_a_study_no_scene(study: Path) -> None:
     assert messages(study, "manipulators: []\n") == ["1:1 this is a scene, not a study"]
     study.write_text(HEAD + PARAMETER + LABELS, "utf-8")
     document = loading.load(str(study))
-    for refuse in (loading.scene_of, loading.refuse_scene):
+    for refuse in (loading.scene_of, document_kinds.refuse_scene):
         with pytest.raises(InvalidFile, match="this is a study, not a manipulator definition"):
             refuse(document)
 

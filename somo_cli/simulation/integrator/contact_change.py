@@ -41,15 +41,17 @@ import numpy as np
 
 from somo_cli.arrays import Array, invert
 from somo_cli.simulation.dynamics.link_frames import IntArray
+from somo_cli.simulation.integrator.contact_states import (
+    OPEN,
+    SIGN,
+    SLIDING,
+    Direction,
+    PointStates,
+    along,
+)
 
 ROUNDS = 8  # of solving anew: almost always one or two are enough
-LIMIT = 1e-5  # relative: friction as near to its limit slides
-SIGN = 1e-9  # relative: a normal force that is smaller, and negative, does not pull
 REGULAR = 1e-3  # of the mean compliance: see above
-
-STICKING, SLIDING, OPEN = 0, 1, 2
-
-Direction = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +77,7 @@ class ContactProblem:
         widths = [3 if friction > 0 else 1 for friction in self._friction]
         self.normals = list(itertools.accumulate(widths, initial=0))[:-1]
         """The rows of the normals."""
+        self._states = PointStates(self.normals, self._friction)
         self._rubbing = [
             (point, at, friction)
             for point, (at, friction) in enumerate(zip(self.normals, self._friction, strict=True))
@@ -136,13 +139,13 @@ class ContactProblem:
             change: Array = invert(matrix).dot(right)
             coming = free + self._step * self._compliance.dot(change)
             found = (forces + change).tolist(), coming.tolist()
-            if not self._changes_states(states, directions, *found, least):
+            if not self._states.change(states, directions, *found, least):
                 return None if math.isnan(found[0][0]) else change
         return None
 
     def _directions(self, forces: Sequence[float]) -> dict[int, Direction]:
         """Return d of points with friction."""
-        return {point: _along(forces[at + 1], forces[at + 2]) for point, at, _ in self._rubbing}
+        return {point: along(forces[at + 1], forces[at + 2]) for point, at, _ in self._rubbing}
 
     def _dampings(self, forces: Sequence[float], velocities: Sequence[float]) -> dict[int, float]:
         """Return e of points with friction, where they slide."""
@@ -203,64 +206,9 @@ class ContactProblem:
             if state == OPEN:
                 yield from range(at, at + (3 if friction > 0 else 1))
 
-    def _changes_states(
-        self,
-        states: list[int],
-        directions: dict[int, Direction],
-        whole: Sequence[float],
-        coming: Sequence[float],
-        least: float,
-    ) -> bool:
-        """Change the states of points that break a law; whether any did.
-
-        `whole`, as many as rows, is F + D, `coming` are the velocities that it leads to.
-        """
-        changed = False
-        for point, (state, at, friction) in enumerate(
-            zip(states, self.normals, self._friction, strict=True)
-        ):
-            if state == OPEN:
-                continue
-            if whole[at] < least:
-                states[point] = OPEN
-                changed = True
-            elif friction > 0:
-                is_new = self._changes_friction(point, states, directions, whole, coming)
-                changed = changed or is_new
-        return changed
-
-    def _changes_friction(
-        self,
-        point: int,
-        states: list[int],
-        directions: dict[int, Direction],
-        whole: Sequence[float],
-        coming: Sequence[float],
-    ) -> bool:
-        """Have a point slide that cannot stick, or stick that would slide backwards."""
-        at, friction = self.normals[point], self._friction[point]
-        normal, one, two = whole[at : at + 3]
-        if states[point] == STICKING:
-            if math.hypot(one, two) <= friction * normal * (1 + LIMIT) + 1e-12:
-                return False
-            states[point], directions[point] = SLIDING, _along(one, two)
-            return True
-        # friction that would push a point the way it goes does not slide
-        a, b = directions[point]
-        if a * coming[at + 1] + b * coming[at + 2] <= SIGN:
-            return False
-        states[point] = STICKING
-        return True
-
 
 def rows_of_points(friction: Array) -> IntArray:
     """Return the rows, of three for each point, that the problem has: of some the normal alone."""
     kept = np.ones((len(friction), 3), dtype=bool)
     kept[friction == 0, 1:] = False
     return np.flatnonzero(kept)
-
-
-def _along(one: float, two: float) -> Direction:
-    """Return a unit vector, the first axis where there is no direction."""
-    size = math.hypot(one, two)
-    return (one / size, two / size) if size > 0 else (1.0, 0.0)

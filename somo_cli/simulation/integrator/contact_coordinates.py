@@ -172,9 +172,9 @@ class Object:
     size = 6
     has_fixed_coordinates = True
 
-    def __init__(self, thing: WorldObject, is_free: bool) -> None:
-        self._thing = thing
-        self._velocity = thing.velocity
+    def __init__(self, world_object: WorldObject, is_free: bool) -> None:
+        self._object = world_object
+        self._velocity = world_object.velocity
         self.links_others = is_free
         self._inverse: Array = np.zeros((6, 6))
         self._now: Motion = (0.0,) * 6
@@ -183,7 +183,7 @@ class Object:
     def jacobian(self, links: Array, points: Array) -> Array:
         """Return how points of links, (m, 3) in the world, move, shape (m, 3, size)."""
         del links
-        centre, self._inverse = self._thing.mobility()
+        centre, self._inverse = self._object.mobility()
         return _rigid(points - centre)
 
     def response(self, forces: Array) -> Array:

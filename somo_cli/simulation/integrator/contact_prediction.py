@@ -71,8 +71,8 @@ class ContactPrediction:
         self._steppers = steppers
         self._step = plan.time_step
         objects = [
-            Object(thing, not planned.rigid_object.has_prescribed_pose)
-            for thing, planned in zip(world.objects, plan.objects, strict=True)
+            Object(world_object, not planned.rigid_object.has_prescribed_pose)
+            for world_object, planned in zip(world.objects, plan.objects, strict=True)
         ]
         bodies = [coordinates_of(stepper) for stepper in steppers]
         self._parts: list[Part] = [*bodies, *objects]

@@ -11,12 +11,12 @@ from somo_cli.arrays import Array
 from somo_cli.simulation.dynamics.cross_products import skew_matrices
 from somo_cli.simulation.engine.pressing import ContactReader, PressingForces, PressingPoints
 from somo_cli.simulation.integrator.contact_change import (
-    SLIDING,
     ContactProblem,
     Surfaces,
     rows_of_points,
 )
 from somo_cli.simulation.integrator.contact_coordinates import Part
+from somo_cli.simulation.integrator.contact_states import SLIDING
 
 TURNED = 0.01  # by which normals may turn [rad] until the geometry of contact is renewed, and by
 # which joints may have turned

@@ -7,12 +7,11 @@ import pytest
 
 from somo_cli.simulation.integrator import contact_change
 from somo_cli.simulation.integrator.contact_change import (
-    SLIDING,
-    STICKING,
     ContactProblem,
     Surfaces,
     rows_of_points,
 )
+from somo_cli.simulation.integrator.contact_states import SLIDING, STICKING
 
 STEP = 1e-3  # s
 MASS = 2.0  # kg

@@ -21,7 +21,7 @@ from somo_cli.simulation.plan.model import Plan
 
 RECOVERY = 0.08  # seen in 3.2.7: share of an overlap undone in a step, by default
 SLOP = 1e-5  # engine units; seen in 3.2.7: added to every gap
-UNTOLD_DAMPING = 0.1  # engine units; seen in 3.2.7: of a rigid surface, against one that is not
+RIGID_DAMPING = 0.1  # engine units; seen in 3.2.7: of a rigid surface, against one that is not
 LIMIT = 1e-5  # relative: friction this near to its limit slides
 
 
@@ -115,5 +115,5 @@ class BulletContactReader:
         stiffnesses = [one[9] for one in (first, second) if one[9] > 0]
         if not stiffnesses:
             return ContactPair(friction)
-        damping = sum(one[8] if one[9] > 0 else UNTOLD_DAMPING for one in (first, second))
+        damping = sum(one[8] if one[9] > 0 else RIGID_DAMPING for one in (first, second))
         return ContactPair(friction, (1 / sum(1 / one for one in stiffnesses), damping))
