@@ -55,6 +55,9 @@ test: sync ## run the tests
 test-fast: sync ## run the tests that take little, in about a minute; every module is touched
 	$(RUN) pytest -q -n $(PROCESSES) --maxprocesses 8 -m "not slow and not moderate and not bench"
 
+# what test-all leaves out, as a marker expression of pytest
+LEFT_OUT ?= slow or bench
+
 test-all: ## run the tests, but for the slow ones, on every Python from 3.10 to 3.13 that is found
 	@for version in $(VERSIONS); do \
 	  .ci/find-python -q python$$version >/dev/null || echo "Python $$version: not found, not tested"; \
@@ -63,7 +66,7 @@ test-all: ## run the tests, but for the slow ones, on every Python from 3.10 to 
 	for version in $(VERSIONS); do \
 	  python=$$(.ci/find-python -q python$$version) || continue; \
 	  echo "Python $$version:"; tested=yes; \
-	  PYTEST_ADDOPTS="-q -m 'not slow and not bench'" $(MAKE) --no-print-directory VENV=.venv-$$version PYTHON="$$python" test \
+	  PYTEST_ADDOPTS="-q -m 'not ($(LEFT_OUT))'" $(MAKE) --no-print-directory VENV=.venv-$$version PYTHON="$$python" test \
 	    || failed="$$failed $$version"; \
 	done; \
 	if [ -z "$$tested" ]; then echo "no Python was found to test on" >&2; exit 1; fi; \
