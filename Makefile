@@ -138,7 +138,7 @@ free-bodies: sync ## let bodies spin freely, against closed forms and MuJoCo (mi
 objects: sync ## load the objects that come with PyBullet, and compare with its own loader (minutes)
 	$(RUN) tests.public_objects
 
-studies: sync ## run the studies of the README at full length (minutes)
+studies: sync ## run the studies of the manual at full length (minutes)
 	$(RUN) tests.studies
 
 build: sync ## make sdist and wheel in dist/, and use the wheel in an empty environment

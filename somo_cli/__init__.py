@@ -36,6 +36,7 @@ The rooms of the code, each of which knows only those before it (`make map` draw
 - `loading`: from a path to a checked document.
 - `api/`: the public Python API.
 - `sweep/`: a scene run for many sets of parameters.
+- `manual/`: the pages that `somo help` shows.
 - `plot/`: plots of trajectories and of sweeps.
 - `cli/`: the commands.
 

@@ -1,4 +1,4 @@
-"""What is printed on standard error: problems with their source lines, messages and progress."""
+"""What is printed for people: problems with their source lines, messages, progress, pages."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from somo_cli.problems import LINE_BREAK, Problem
 _MAX_COLUMNS = 100  # columns of a source line
 _MAX_CHARACTERS = 2000  # characters of a message
 _MAX_PROBLEMS = 500  # problems
+_PAGE_WIDTH = 100  # columns of a page of the manual
 _STYLES = {"error": "bold red", "warning": "bold yellow", "info": "bold blue"}
 _REDRAW_INTERVAL = 0.1  # between two drawings of the progress bar [s]
 
@@ -47,6 +48,20 @@ def print_message(message: str) -> None:
 def print_lines(lines: Iterable[str]) -> None:
     """Write lines to standard error."""
     _write([("", _escaped(line)) for line in lines])
+
+
+def show_page(markdown: str) -> None:
+    """Write a page to standard output: laid out and paged on a terminal, else as it is."""
+    if not sys.stdout.isatty() or os.environ.get("TERM") == "dumb":
+        sys.stdout.write(markdown)
+        return
+    from rich.console import Console
+    from rich.markdown import Markdown
+
+    os.environ.setdefault("LESS", "-FRX")  # show colours, and a short page without paging
+    console = Console(no_color=_is_colourless(), width=min(Console().width, _PAGE_WIDTH))
+    with console.pager(styles=not _is_colourless()):
+        console.print(Markdown(markdown, hyperlinks=False))
 
 
 def has_bar() -> bool:

@@ -69,6 +69,8 @@ OBJECTS = Path(__file__).parent / "objects" / "inputs"
 SHORT = ("--steps", "120", "--every", "10")
 COMMANDS = (
     ("examples", "shipped"),
+    ("help", "tour"),
+    ("help", "spring_stiffness"),
     ("check", "shipped/definitions/press_scene.yaml", "--plan"),
     ("check", "wrong.yaml"),
     ("build", "shipped/definitions/finger.yaml", "-o", "finger.urdf"),

@@ -29,7 +29,15 @@ CHECKING = TYPER | {"jsonschema", "referencing", "yaml", "xml"}
 RUNNING = CHECKING | {"numpy", "pybullet"}
 
 DOOR = {"budget", "cli", "files", "output_files", "problems", "signals", "terminal"}
-LOADING = DOOR | {"document", "loading", "manipulator", "packages", "scene", "scene.checks"}
+LOADING = DOOR | {
+    "document",
+    "document_kinds",
+    "loading",
+    "manipulator",
+    "packages",
+    "scene",
+    "scene.checks",
+}
 PLANNED = LOADING | {
     "arrays",
     "simulation",

@@ -12,6 +12,7 @@ import pytest
 import somo_cli
 from somo_cli import loading
 from somo_cli.api.result import Result
+from somo_cli.manual.topics import page
 from somo_cli.problems import InvalidFile, SimulationDiverged
 from somo_cli.scene.checks.recording import select_by_patterns
 from somo_cli.simulation.plan.build import make_plan
@@ -95,10 +96,9 @@ record: {{objects: [velocity]}}
 
 
 def test_the_example_of_the_manual_comes_to_rest_as_a_tower() -> None:
-    readme = (Path(__file__).parents[1] / "README.md").read_text("utf-8")
     (example,) = (
         block
-        for block in re.findall(r"```yaml\n(.*?)```", readme, re.DOTALL)
+        for block in re.findall(r"```yaml\n(.*?)```", page("scenes"), re.DOTALL)
         if "name: upper" in block
     )
     result = result_of(example, 5000)

@@ -39,7 +39,7 @@ def test_what_is_shipped_is_text_of_known_kinds() -> None:
     folders = ("definitions", "schemas", "somo_cli")
     assert f'only-include = ["{folders[0]}", "{folders[1]}", "{folders[2]}"]' in PROJECT
     shipped = [path for folder in folders for path in (ROOT / folder).rglob("*") if path.is_file()]
-    kinds = {".py", ".yaml", ".json", ".obj", ".typed", ".csv", ".pyc"}
+    kinds = {".py", ".yaml", ".json", ".obj", ".typed", ".csv", ".md", ".pyc"}
     assert {path.suffix or path.name for path in shipped} <= kinds
     assert not any(path.stat().st_size > 200_000 or path.is_symlink() for path in shipped)
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from somo_cli import document_kinds, output_files, terminal
+from somo_cli import output_files, terminal
 from somo_cli.cli.application import (
     EXIT_CODES,
     QuietOption,
@@ -57,7 +57,7 @@ def build(
     quiet: QuietOption = False,
 ) -> None:
     """Compile the definition of a manipulator or an assembly into a scaled URDF."""
-    from somo_cli import loading
+    from somo_cli import document_kinds, loading
     from somo_cli.manipulator.compile import compile_definition
     from somo_cli.manipulator.dimensions import Scale
 

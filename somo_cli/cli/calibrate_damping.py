@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from somo_cli import document_kinds, terminal
+from somo_cli import terminal
 from somo_cli.cli.application import EXIT_CODES, report_errors, require
 from somo_cli.cli.calibrate import (
     ActuatorOption,
@@ -121,7 +121,7 @@ def damping(
 
 
 def _scene(path: str) -> "tuple[Document, Scene]":
-    from somo_cli import loading
+    from somo_cli import document_kinds, loading
     from somo_cli.scene.model import is_scene
 
     document = loading.load(path)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from somo_cli import document_kinds, terminal
+from somo_cli import terminal
 from somo_cli.cli.application import (
     EXIT_CODES,
     OutsideOption,
@@ -74,7 +74,7 @@ def fit(
     The fit is by least squares over runs of the scene. It gives 95 % confidence intervals, which
     assume independent noise, and warns if the data do not distinguish parameters.
     """
-    from somo_cli import loading
+    from somo_cli import document_kinds, loading
     from somo_cli.calibration import fit_report
     from somo_cli.calibration.fit_diagnostics import fit_diagnostics
     from somo_cli.calibration.fitted_values import definition_values, is_torque_gain

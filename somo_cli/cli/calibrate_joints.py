@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from somo_cli import document_kinds, terminal
+from somo_cli import terminal
 from somo_cli.cli.application import require
 from somo_cli.cli.calibrate_result import require_targets
 
@@ -78,7 +78,7 @@ def joints_to_calibrate(
 
 
 def _from_definition(path: str, actuator: int, axis: int, at: float | None) -> JointsToCalibrate:
-    from somo_cli import loading
+    from somo_cli import document_kinds, loading
     from somo_cli.calibration import moment_arms
     from somo_cli.manipulator.compile import compile_definition
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from somo_cli import document_kinds, terminal
+from somo_cli import terminal
 from somo_cli.cli.application import (
     EXIT_CODES,
     OutsideOption,
@@ -127,7 +127,7 @@ def _problems_of(
     document: "Document", path: str, access: "Access"
 ) -> "tuple[Sequence[Problem], Mapping[str, str]]":
     """Return the problems of a file, and the texts that they lie in."""
-    from somo_cli import loading
+    from somo_cli import document_kinds, loading
 
     if not document_kinds.is_study(document):
         return loading.check_with_overlaps(document), document.texts

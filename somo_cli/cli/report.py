@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from somo_cli import document_kinds, output_files, terminal
+from somo_cli import output_files, terminal
 from somo_cli.budget import Budget
 from somo_cli.cli.application import (
     EXIT_CODES,
@@ -100,7 +100,7 @@ def report(
     objects, mean normal forces of pairs, and the worst of what the scene records, by which the step
     is then recommended. Run times are those of the stepping loop alone.
     """
-    from somo_cli import loading
+    from somo_cli import document_kinds, loading
     from somo_cli.analysis import closed_form_references, study_export, study_report
     from somo_cli.analysis.recorded_report import recorded_table
     from somo_cli.analysis.study import total_steps

@@ -71,12 +71,14 @@ KNOWS: dict[str, set[str]] = {
         "loading",
         "api",
     },
+    "manual": {"", "files"},
     "plot": {"", "problems", "arrays", "document", "scene"},
     "cli": _RUN
     | {
         "api",
         "sweep",
         "plot",
+        "manual",
         "document",
         "scene.checks",
         "simulation.engine.bullet",

@@ -16,6 +16,7 @@ import somo_cli
 from somo_cli import loading
 from somo_cli.api.result import Result
 from somo_cli.manipulator import geometry
+from somo_cli.manual.topics import page
 from tests.builders.command import Somo
 from tests.builders.definitions import X, Y, actuator, manipulator
 from tests.builders.scene_problems import messages_of
@@ -352,11 +353,12 @@ def test_a_hundred_thousand_rows_are_read_in_seconds(tmp_path: Path) -> None:
 
 
 def test_the_example_of_the_manual_moves_as_it_says(tmp_path: Path) -> None:
-    readme = (Path(__file__).parents[2] / "README.md").read_text("utf-8")
     (scene,) = (
-        one for one in re.findall(r"```yaml\n(.*?)```", readme, re.DOTALL) if "paddle" in one
+        one
+        for one in re.findall(r"```yaml\n(.*?)```", page("scenes"), re.DOTALL)
+        if "paddle" in one
     )
-    (poses,) = re.findall(r"```csv\n(.*?)```", readme, re.DOTALL)
+    (poses,) = re.findall(r"```csv\n(.*?)```", page("scenes"), re.DOTALL)
     (tmp_path / "scene.yaml").write_text(scene, "utf-8")
     (tmp_path / "paddle.csv").write_text(poses, "utf-8")
     result = somo_cli.simulate(tmp_path / "scene.yaml", 1000)

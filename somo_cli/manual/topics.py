@@ -1,0 +1,43 @@
+"""The topics of the manual, in the order in which a new user meets them, and their pages."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from somo_cli import files
+
+TOPICS = {
+    "tour": "from an empty folder to a film, in five minutes",
+    "commands": "what each command reads and writes; exit codes, errors, bytes",
+    "definitions": "manipulators and assemblies in YAML",
+    "scenes": "what is in a scene: actuation, objects, ground, loads, records, stops",
+    "contact": "what a run finds of its contact; how to choose step, scale, friction, stiffness",
+    "pictures": "stills, films and plots",
+    "accuracy": "error against run time: report, --error, --tolerance, --numerics",
+    "calibrate": "from measurements to stiffness, torque and damping",
+    "sweeps": "many runs: parameters, labels, one table",
+    "studies": "the shipped studies: what they show, with pictures",
+    "python": "the API: load, check, build, simulate, Simulation",
+    "from-somo": "what changes for a user of SoMo",
+    "method": "the spring-damper law, and the prediction of contact",
+    "benchmarks": "the law against theory, MuJoCo and the loop that users write",
+}
+"""Each topic and what its page is about."""
+
+_FOLDER = Path(__file__).parent / "pages"
+
+
+def page(topic: str) -> str:
+    """Return the page of a topic as Markdown; raises KeyError for one that is unknown."""
+    if topic not in TOPICS:
+        raise KeyError(topic)
+    return files.read_text(str(_FOLDER / f"{topic}.md"))
+
+
+def contents() -> str:
+    """Return the list of topics as Markdown."""
+    rows = "\n".join(f"- `somo help {topic}`: {about}" for topic, about in TOPICS.items())
+    return (
+        f"# The manual\n\n{rows}\n\n"
+        "`somo help WORD` searches all pages; `somo COMMAND --help` lists its options.\n"
+    )
