@@ -27,11 +27,17 @@ class JointLimits:
         self.lower: Array = np.where(limited, [joint.lower for joint in joints], -np.inf)
         self.upper: Array = np.where(limited, [joint.upper for joint in joints], np.inf)
         self.were_struck = False
-        """Whether a joint would have passed a limit in any step so far."""
+        """Whether a joint would have passed a limit in any step, or was beyond one at a check."""
 
     def clearance(self, angles: Array) -> float:
-        """Return the least distance of a joint from a limit [rad]."""
-        return float(np.minimum(self.upper - angles, angles - self.lower).min())
+        """Return the least distance of a joint from a limit [rad].
+
+        At a limit or beyond it, one was struck: contact can drive a joint there within a step, and
+        the engine then stops it.
+        """
+        least = float(np.minimum(self.upper - angles, angles - self.lower).min())
+        self.were_struck = self.were_struck or least <= 0
+        return least
 
     def torques(
         self, time_step: float, angles: Array, rates: Array, acceleration: Array, response: Array

@@ -42,6 +42,14 @@ def test_room_is_to_the_nearest_limit() -> None:
     assert stops((1.0, -1.0)).clearance(np.array([9.0])) == np.inf
 
 
+def test_a_joint_that_contact_drove_beyond_its_limit_has_struck_it() -> None:
+    some = stops((-0.5, 0.5))
+    some.clearance(np.array([0.49]))
+    assert not some.were_struck
+    some.clearance(np.array([0.501]))  # no torque was asked for on the way there
+    assert some.were_struck
+
+
 def test_a_joint_beyond_its_limit_comes_back_by_a_fifth_in_each_step() -> None:
     angles, rates, response = np.array([0.6]), np.array([0.0]), np.array([[2.0]])
     torques = stops((-0.5, 0.5)).torques(0.1, angles, rates, np.array([0.0]), response)
