@@ -70,6 +70,9 @@ SHORT = ("--steps", "120", "--every", "10")
 COMMANDS = (
     ("examples", "shipped"),
     ("help", "tour"),
+    ("show", "shipped/definitions/scene.yaml"),
+    ("columns", "shipped/definitions/scene.yaml"),
+    ("schema", "scene"),
     ("help", "spring_stiffness"),
     ("check", "shipped/definitions/press_scene.yaml", "--plan"),
     ("check", "wrong.yaml"),

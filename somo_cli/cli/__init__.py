@@ -15,12 +15,15 @@ from somo_cli.cli import (
     calibrate_stiffness,
     calibrate_torque,
     check,
+    columns,
     examples,
     help,
     plot,
     render,
     report,
     run,
+    schema,
+    show,
     sweep,
 )
 from somo_cli.cli.application import main
@@ -33,6 +36,7 @@ __all__ = [
     "calibrate_stiffness",
     "calibrate_torque",
     "check",
+    "columns",
     "examples",
     "help",
     "main",
@@ -40,5 +44,7 @@ __all__ = [
     "render",
     "report",
     "run",
+    "schema",
+    "show",
     "sweep",
 ]

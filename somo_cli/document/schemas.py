@@ -27,15 +27,26 @@ FOLDERS = (
 Schema: TypeAlias = Mapping[str, Any]
 
 
-@cache
-def load_schema(name: str) -> Mapping[str, object]:
-    """Return the schema of a name, such as "scene"; raise FileNotFoundError without one."""
+def schema_names() -> list[str]:
+    """Return the names of all schemas, in the order of the alphabet."""
+    paths = next((folder for folder in FOLDERS if folder.is_dir()), FOLDERS[0]).glob(f"*{_SUFFIX}")
+    return sorted(path.name.removesuffix(_SUFFIX) for path in paths)
+
+
+def schema_text(name: str) -> str:
+    """Return the file of a schema, such as "scene"; raise FileNotFoundError without one."""
     for folder in FOLDERS:
         path = folder / f"{name}{_SUFFIX}"
         if path.is_file():
-            schema: Mapping[str, object] = json.loads(path.read_text("utf-8"))
-            return schema
+            return path.read_text("utf-8")
     raise FileNotFoundError(f"no schema named '{name}'")
+
+
+@cache
+def load_schema(name: str) -> Mapping[str, object]:
+    """Return the schema of a name, such as "scene"; raise FileNotFoundError without one."""
+    schema: Mapping[str, object] = json.loads(schema_text(name))
+    return schema
 
 
 def _is_whole(_: object, value: object) -> bool:

@@ -10,6 +10,7 @@ from somo_cli.document.parse import Document
 from somo_cli.problems import Problem, did_you_mean
 from somo_cli.scene import columns
 from somo_cli.scene import model as scene_model
+from somo_cli.scene.available_columns import recorded_of
 from somo_cli.scene.contact_surface import GROUND_NAME
 from somo_cli.scene.model import Scene
 
@@ -68,13 +69,7 @@ def _with_all_quantities(scene: Scene) -> Scene:
 
 def _column_names_by_quantity(found: Scene) -> Mapping[tuple[str, str], Sequence[str]]:
     """Return the column names that `only` selects from, by key of `record` and quantity."""
-    recorded = columns.Recorded(
-        tuple((one.name, one.compiled.chain) for one in found.manipulators),
-        tuple(one.name for one in found.objects),
-        found.ground is not None,
-        found.columns,
-        found.object_quantities if found.objects else (),
-    )
+    recorded = recorded_of(dataclasses.replace(found, only=()))
     names: dict[tuple[str, str], list[str]] = {}
     for group in columns.body_column_groups(recorded):
         names.setdefault(("columns", group.quantity), []).extend(group.selection.names)
