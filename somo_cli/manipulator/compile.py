@@ -43,9 +43,19 @@ class Compiled:
         """Return the chain in the units of a scale."""
         return scaled(self.chain, scale)
 
-    def urdf(self, scale: Scale | None = None, tip_frame: str | None = None) -> str:
-        """Return the URDF in the units of a scale, by default that of the file, else 1."""
-        return urdf.render(self.scaled_chain(scale or self.scale or Scale()), tip_frame)
+    def urdf(
+        self,
+        scale: Scale | None = None,
+        tip_frame: str | None = None,
+        has_all_limits: bool = False,
+    ) -> str:
+        """Return the URDF in the units of a scale, by default that of the file, else 1.
+
+        A comment says so if they are not SI. `has_all_limits` is explained at `urdf.render`.
+        """
+        wanted = scale or self.scale or Scale()
+        note = urdf.scale_note(wanted)
+        return urdf.render(self.scaled_chain(wanted), tip_frame, note, has_all_limits)
 
     def described(self, scale: Scale) -> str:
         """Return one line with the size of the manipulator, in the unit of the file."""

@@ -15,42 +15,65 @@ from pathlib import Path
 
 from somo_cli.manipulator.chain import Chain, Joint, Limb, Link, Shape
 from somo_cli.manipulator.definition import Material
+from somo_cli.manipulator.dimensions import Scale
 from somo_cli.manipulator.solids import AnySolid, Box, Cylinder, Sphere
 
 
 @dataclass(frozen=True, slots=True)
 class _Contents:
-    """Which optional elements a URDF has: visuals with their materials, collisions, dynamics."""
+    """Which optional elements a URDF has: visuals with their materials, collisions, dynamics.
+
+    With `has_all_limits` joints without limits have effort and velocity, which URDF does not ask.
+    """
 
     has_visuals: bool = True
     has_collisions: bool = True
     has_dynamics: bool = True
+    has_all_limits: bool = False
 
 
 _HEADER = '<?xml version="1.0" encoding="utf-8"?>\n'
+_NEVER_REACHED = 1e6
+"""Effort and velocity of a joint without limits: readers that want both take 0 for no motion."""
+_SCALE_NOTE = "<!-- World scale "
 
 
 def is_ours(path: Path) -> bool:
     """Whether a file begins as the URDFs do that `render` returns. Raises OSError."""
-    start = f'{_HEADER}<robot name="'.encode()
+    starts = tuple(f"{_HEADER}{first}".encode() for first in ('<robot name="', _SCALE_NOTE))
     with path.open("rb") as stream:
-        return stream.read(len(start)) == start
+        return stream.read(max(map(len, starts))).startswith(starts)
 
 
-def render(chain: Chain, tip_frame: str | None = None) -> str:
+def scale_note(scale: Scale) -> str:
+    """Return the comment of a URDF in the units of a scale, a line; empty in SI."""
+    if scale == Scale():
+        return ""
+    of_length, of_mass = number(scale.length), number(scale.mass)
+    return (
+        f"{_SCALE_NOTE}{of_length}, for PyBullet: lengths are {of_length} times and masses "
+        f"{of_mass} times their SI values. Other tools want scale 1. -->\n"
+    )
+
+
+def render(
+    chain: Chain, tip_frame: str | None = None, note: str = "", has_all_limits: bool = False
+) -> str:
     """Return the URDF of a chain, in the chain's own units.
 
     With `tip_frame` a massless link of that name is fixed to the tip, for tools that need a frame
     there. It does not change the dynamics, and `somo run` does not load it. In an assembly each
-    limb has one, whose name starts with that of the limb.
+    limb has one, whose name starts with that of the limb. `note` is a comment before the robot.
+    With `has_all_limits` a continuous joint too has effort and velocity, so large that they never
+    matter unless the definition has them.
     """
-    robot = _robot(chain, _Contents())
+    robot = _robot(chain, _Contents(has_all_limits=has_all_limits))
     if tip_frame is not None:
         for limb in chain.backbones:
             _add_tip_frame(robot, chain, limb, limb.prefix + tip_frame)
     for joint in chain.joints:
         _add_spring(robot, joint)
-    return _text(robot)
+    return _text(robot, note)
 
 
 def render_for_engine(
@@ -90,9 +113,9 @@ def _robot(chain: Chain, contents: _Contents) -> ET.Element:
     return robot
 
 
-def _text(robot: ET.Element) -> str:
+def _text(robot: ET.Element, note: str = "") -> str:
     ET.indent(robot)
-    return _HEADER + ET.tostring(robot, encoding="unicode") + "\n"
+    return _HEADER + note + ET.tostring(robot, encoding="unicode") + "\n"
 
 
 def _numbers(values: Iterable[float]) -> str:
@@ -160,12 +183,14 @@ def _add_joint(
     ET.SubElement(element, "child", link=child)
     ET.SubElement(element, "origin", xyz=_numbers(joint.origin), rpy=_numbers(joint.rpy))
     ET.SubElement(element, "axis", xyz=_numbers(joint.axis))
-    if joint.is_limited:
+    if joint.is_limited or contents.has_all_limits:
         limit = ET.SubElement(element, "limit")
-        limit.set("lower", number(joint.lower))
-        limit.set("upper", number(joint.upper))
-        limit.set("effort", number(joint.effort))
-        limit.set("velocity", number(joint.velocity))
+        if joint.is_limited:
+            limit.set("lower", number(joint.lower))
+            limit.set("upper", number(joint.upper))
+        free = 0.0 if joint.is_limited else _NEVER_REACHED
+        limit.set("effort", number(joint.effort or free))
+        limit.set("velocity", number(joint.velocity or free))
     if contents.has_dynamics:
         dynamics = {"damping": number(joint.damping), "friction": number(joint.friction)}
         ET.SubElement(element, "dynamics", dynamics)

@@ -34,7 +34,12 @@ def test_the_scale_asked_for_goes_before_that_of_the_file() -> None:
     assert plain.scale is None
     assert plain.chain == large.chain
     assert plain.urdf() == plain.urdf(Scale()) == urdf.render(plain.chain)
-    assert large.urdf() == plain.urdf(Scale(20.0)) == urdf.render(scaled(plain.chain, Scale(20.0)))
+    note = urdf.scale_note(Scale(20.0))
+    in_engine_units = urdf.render(scaled(plain.chain, Scale(20.0)), note=note)
+    assert large.urdf() == plain.urdf(Scale(20.0)) == in_engine_units
+    assert note.startswith("<!-- World scale 20, ")
+    assert note in in_engine_units
+    assert "<!--" not in plain.urdf()
     assert large.urdf(Scale()) == plain.urdf()
     assert large.urdf(tip_frame="tip") == plain.urdf(Scale(20.0), "tip")
 
