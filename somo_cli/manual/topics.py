@@ -18,6 +18,7 @@ TOPICS = {
     "sweeps": "many runs: parameters, labels, one table",
     "studies": "the shipped studies: what they show, with pictures",
     "python": "the API: load, check, build, simulate, Simulation",
+    "models": "URDF, SDF and MJCF for other programs; a scene that opens in MuJoCo",
     "from-somo": "what changes for a user of SoMo",
     "method": "the spring-damper law, and the prediction of contact",
     "benchmarks": "the law against theory, MuJoCo and the loop that users write",

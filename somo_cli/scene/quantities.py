@@ -72,7 +72,8 @@ def _tips(chain: Chain) -> list[str]:
     return list(limbs_by_tip_name(chain))
 
 
-def _channel_names(chain: Chain) -> list[str]:
+def channel_names(chain: Chain) -> list[str]:
+    """Return the name of each axis of an actuator, in the order of `channels`."""
     names: dict[tuple[int, int], str] = {}
     for joint in chain.joints:
         limb = chain.backbone_of(joint)
@@ -94,7 +95,7 @@ BODY_COLUMNS: dict[Quantity, Columns] = {
     "joint_angles": Columns(("angle_rad",), "rad", _joints),
     "joint_rates": Columns(("rate_rad_per_s",), "rad/s", _joints, _VELOCITIES),
     "spring_torques": Columns(("spring_torque_nm",), "N·m", _joints),
-    "actuation": Columns(("torque_nm",), "N·m", _channel_names),
+    "actuation": Columns(("torque_nm",), "N·m", channel_names),
     "link_positions": Columns(_XYZ, "m", _links, _BASE, vector=3),
     "link_orientations": Columns(_XYZW, "1", _links, _BASE, vector=4, quaternion_start=0),
     "base_pose": Columns(

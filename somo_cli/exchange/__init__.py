@@ -1,0 +1,1 @@
+"""Models for other programs: MJCF and SDF in SI."""
