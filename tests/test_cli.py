@@ -73,7 +73,8 @@ def test_version(somo: Somo) -> None:
 def test_every_help_lists_the_exit_codes(somo: Somo, command: tuple[str, ...]) -> None:
     ended = somo(*command, "--help")
     assert (ended.returncode, ended.stderr) == (0, "")
-    for code in ("0 success", "1 a check", "2 wrong usage", "3 the", "4 the", "5 a file", "130"):
+    codes = ("0 success", "1 problems", "2 usage", "3 invalid", "4 diverged", "5 files", "130")
+    for code in (*codes, "somo help commands"):
         assert code in " ".join(ended.stdout.split())
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ from somo_cli.loading import Auto
 from somo_cli.problems import Problem
 from somo_cli.scene import columns
 from somo_cli.scene.checks.recording import select_by_patterns
+from somo_cli.scene.duration import steps_of
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.engine.bullet.world import BulletWorld
 from somo_cli.simulation.metadata import metadata
@@ -109,8 +111,9 @@ class OpenRun:
 
 def simulate(
     source: Source,
-    steps: int,
+    steps: int | None = None,
     *,
+    duration: float | None = None,
     every: int | None = None,
     time_step: float | Auto | None = None,
     record_only: Sequence[str] = (),
@@ -118,9 +121,10 @@ def simulate(
 ) -> Result:
     """Simulate a scene, or a definition alone, and return its recorded columns.
 
-    The values are exactly those that `somo run` writes. `every` (time steps between two rows) and
-    `time_step` ([s], or "auto") replace the values of the scene; `record_only` has patterns of
-    column names, such as "finger.tip.*".
+    The values are exactly those that `somo run` writes. `steps` or `duration` [s] says how long,
+    else the duration of the scene; the number of steps is the nearest whole one. `every` (time
+    steps between two rows) and `time_step` ([s], or "auto") replace the values of the scene;
+    `record_only` has patterns of column names, such as "finger.tip.*".
 
     With a `tolerance` the step is halved, up to six times, until the estimated error of every
     column is below this share of its range, such as 1e-2, or below the values of a mapping such as
@@ -129,24 +133,39 @@ def simulate(
 
     Raises:
         InvalidFile: The scene has errors, each at its line and column.
-        ValueError: A pattern matches no column, `steps` is negative, or a tolerance is wrong.
+        ValueError: A pattern matches no column, `steps` is negative, `steps` and `duration` are
+            both given or neither, the scene included, or a tolerance is wrong.
         SimulationDiverged: The motion diverged, so that the results are not meaningful.
         EngineMissing, EngineRefused: There is no engine, or it cannot load a body.
         OSError: A file cannot be read.
     """
-    if steps < 0:
-        raise ValueError(f"steps is {steps}, but must not be negative")
     document = document_of(source)
     scene, warnings = loading.scene_of(document, every, time_step)
+    count = _steps_of(steps, duration, scene)
     if record_only:
         scene = select_by_patterns(scene, record_only)
     prepared = prepare(document, scene, warnings)
     if tolerance is not None:
         from somo_cli.api.refined import refined  # few runs need what it imports
 
-        return refined(prepared, steps, tolerance)
+        return refined(prepared, count, tolerance)
     blocks: list[Array] = [np.empty((0, len(prepared.names)))]
     # rows are views of a table that is new for each batch, so they can be kept
     with OpenRun(prepared.plan) as opened:
-        summary = opened.run(steps, blocks.append)
+        summary = opened.run(count, blocks.append)
     return Result(prepared.names, np.concatenate(blocks), prepared.metadata(summary))
+
+
+def _steps_of(steps: int | None, duration: float | None, scene: Scene) -> int:
+    if steps is not None and duration is not None:
+        raise ValueError("give steps or duration, not both")
+    if steps is not None:
+        if steps < 0:
+            raise ValueError(f"steps is {steps}, but must not be negative")
+        return steps
+    asked = scene.duration if duration is None else duration
+    if asked is None:
+        raise ValueError("give steps or duration: the scene has no duration of its own")
+    if not 0 < asked < math.inf:
+        raise ValueError(f"duration is {asked}, but must be a positive number of seconds")
+    return steps_of(asked, scene.time_step)

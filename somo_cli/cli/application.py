@@ -22,11 +22,8 @@ from somo_cli.problems import (
 if TYPE_CHECKING:
     from somo_cli.packages import Access
 
-EXIT_CODES = """Exit codes: 0 success; 1 a check found problems, or a run is not within its
-tolerance; 2 wrong usage; 3 the definition, scene or recording is invalid; 4 the simulation
-diverged, or the engine died in a --guarded run; 5 a file cannot be read or written, or the engine
-or an extra is missing; 6 the time or memory of --max-seconds or --max-memory is spent; 130
-interrupted; 143 or 129 ended by SIGTERM or SIGHUP. A closed pipe ends a run quietly, with 0."""
+EXIT_CODES = """Exit codes: 0 success, 1 problems found, 2 usage, 3 invalid file, 4 diverged,
+5 files or engine, 6 time or memory spent, 130 interrupted. More: somo help commands."""
 
 MAX_STEPS = 1e8
 """The most time steps of a picture or a report, whose number follows from a time: hours of work."""
@@ -34,7 +31,7 @@ MAX_STEPS = 1e8
 app = typer.Typer(
     help="Simulate soft, continuum manipulators as chains of links and spring-dampers.",
     epilog=EXIT_CODES,
-    add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from somo_cli.document.parse import Document
 
 
-@app.command(epilog=EXIT_CODES)
+@app.command(short_help="Compile a definition into a scaled URDF.", epilog=EXIT_CODES)
 @report_errors
 def build(
     definition: Annotated[

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from somo_cli.scene.model import Scene
 
 
-@calibrate.command(epilog=EXIT_CODES)
+@calibrate.command(short_help="Find the damping of the joints from a ring-down.", epilog=EXIT_CODES)
 @report_errors
 def damping(
     scene: Annotated[

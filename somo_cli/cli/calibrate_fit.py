@@ -29,7 +29,7 @@ MIN_ROWS = 8
 _RUNS = 20  # runs per parameter that the progress bar expects
 
 
-@calibrate.command(epilog=EXIT_CODES)
+@calibrate.command(short_help="Fit a scene to a recorded motion.", epilog=EXIT_CODES)
 @report_errors
 def fit(
     scene: Annotated[

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from somo_cli.calibration.moment_arms import MomentArms
 
 
-@calibrate.command(epilog=EXIT_CODES)
+@calibrate.command(short_help="Find the stiffness of the joints.", epilog=EXIT_CODES)
 @report_errors
 def stiffness(
     definition: DefinitionArgument = None,

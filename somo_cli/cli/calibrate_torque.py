@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 PRESSURE, FORCE = "pressure_pa", "force_n"
 
 
-@calibrate.command(epilog=EXIT_CODES)
+@calibrate.command(short_help="Find the torque per pressure of the joints.", epilog=EXIT_CODES)
 @report_errors
 def torque(
     definition: DefinitionArgument = None,

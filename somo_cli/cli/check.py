@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from somo_cli.simulation.plan.model import Plan
 
 
-@app.command(epilog=EXIT_CODES)
+@app.command(short_help="Report every problem of files, before a run.", epilog=EXIT_CODES)
 @report_errors
 def check(
     paths: Annotated[

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from somo_cli.scene.available_columns import AvailableColumns
 
 
-@app.command(epilog=EXIT_CODES)
+@app.command(short_help="List what a scene can record.", epilog=EXIT_CODES)
 @report_errors
 def columns(
     scene: Annotated[str, typer.Argument(help="A scene, or a definition to run by itself.")],

@@ -8,7 +8,7 @@ from somo_cli import files
 from somo_cli.cli.application import EXIT_CODES, app, report_errors
 
 
-@app.command(epilog=EXIT_CODES)
+@app.command(short_help="Copy the shipped definitions, scenes and schemas.", epilog=EXIT_CODES)
 @report_errors
 def examples(
     folder: Annotated[str, typer.Argument(help="The folder to create.")] = "somo-examples",

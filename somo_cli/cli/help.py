@@ -10,7 +10,7 @@ from somo_cli.cli.application import EXIT_CODES, app, report_errors
 _MOST_MATCHES = 20  # lines of one page
 
 
-@app.command(name="help", epilog=EXIT_CODES)
+@app.command(name="help", short_help="Show the manual, or search it.", epilog=EXIT_CODES)
 @report_errors
 def show_help(
     words: Annotated[

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from somo_cli.plot.sweep_table import SweepTable
 
 
-@app.command(epilog=EXIT_CODES)
+@app.command(short_help="Plot trajectories, or the table of a sweep.", epilog=EXIT_CODES)
 @report_errors
 def plot(
     paths: Annotated[

@@ -27,6 +27,7 @@ from somo_cli.cli.application import (
 from somo_cli.cli.outputs import refuse_overwriting
 from somo_cli.cli.render_look import look_of
 from somo_cli.cli.render_timing import Timing
+from somo_cli.cli.simulated_time import DurationOption, StepsOption
 
 if TYPE_CHECKING:
     from somo_cli.document.parse import Document
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
 STILL = ".png"
 
 
-@app.command(epilog=EXIT_CODES)
+@app.command(short_help="Draw a scene or a recorded run: still or film.", epilog=EXIT_CODES)
 @report_errors
 def render(
     source: Annotated[
@@ -78,10 +79,8 @@ def render(
             help="End time of a film, required for a scene. [default: the last row]",
         ),
     ] = None,
-    steps: Annotated[
-        int | None,
-        typer.Option("--steps", min=0, help="Time steps of a scene, instead of --at or --until."),
-    ] = None,
+    steps: StepsOption = None,
+    duration: DurationOption = None,
     every: Annotated[
         float | None,
         typer.Option(
@@ -138,7 +137,7 @@ def render(
     access = access_of(allow_outside, package)
     written = output or f"{Path(source).stem}{STILL}"
     kind = _kind_of(written)
-    timing = Timing(kind != STILL, at, start, until, steps, every, speed)
+    timing = Timing(kind != STILL, at, start, until, steps, duration, every, speed)
     look = look_of(camera, target, size, kind == ".mp4")
     is_csv = render_source.is_recording(source)
     require(is_csv or scene is None, "--scene", f"it is for a CSV, and {source} is not one")

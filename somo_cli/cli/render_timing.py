@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from somo_cli.cli.application import require, require_few_steps
+from somo_cli.cli.simulated_time import check_time_options, steps_to_take
 
 if TYPE_CHECKING:
     from fractions import Fraction
@@ -25,7 +26,8 @@ class Timing:
     at: float | None
     start: float | None
     until: float | None
-    steps: int | None
+    steps: str | None
+    duration: float | None
     every: float | None
     speed: float
 
@@ -43,10 +45,12 @@ class Timing:
         is_speed = 0 < self.speed <= MAX_TIME
         require(is_speed, "--speed", f"{self.speed} is not greater than 0 and at most {MAX_TIME:g}")
         for_scenes = "it is for a scene, and this is a CSV"
-        require(self.steps is None or not is_recording, "--steps", for_scenes)
         other = "--at" if self.at is not None else "--until"
-        is_one = self.steps is None or (self.at is None and self.until is None)
-        require(is_one, "--steps", f"it excludes {other}")
+        has_end = self.at is not None or self.until is not None
+        for option, given_time in (("--steps", self.steps), ("--duration", self.duration)):
+            require(given_time is None or not is_recording, option, for_scenes)
+            require(given_time is None or not has_end, option, f"it excludes {other}")
+        check_time_options(self.steps, self.duration)
 
     @property
     def between(self) -> float:
@@ -71,12 +75,13 @@ class Timing:
         """Return the number of time steps to simulate."""
         from somo_cli.scene.stop_conditions import StopAtTime
 
-        if self.steps is not None:
-            return self.steps
+        if self.steps is not None or self.duration is not None:
+            return steps_to_take(self.steps, self.duration, scene)
         end = self.until if self.is_film else self.at or 0.0
         if end is None:
             times = [stop.time for stop in scene.stop_conditions if isinstance(stop, StopAtTime)]
-            require(bool(times), "--until", "give the end of the film, here or by --steps")
+            times += [] if scene.duration is None else [scene.duration]
+            require(bool(times), "--until", "give the end of the film, here or by --duration")
             end = min(times)
         steps = end / scene.time_step
         require_few_steps(steps, "--until" if self.is_film else "--at")

@@ -26,6 +26,7 @@ from somo_cli.cli.application import (
     require,
     require_few_steps,
 )
+from somo_cli.cli.simulated_time import check_time_options
 from somo_cli.problems import ExtraMissing, InvalidFile, Problem
 
 if TYPE_CHECKING:
@@ -34,16 +35,22 @@ if TYPE_CHECKING:
     from somo_cli.document.parse import Document
     from somo_cli.scene.model import Integrator, Scene
 
+DEFAULT_DURATION = 1.0  # s
 INTEGRATORS = ("implicit", "euler", "explicit")
 
 
-@app.command(epilog=EXIT_CODES)
+@app.command(short_help="Measure error against run time.", epilog=EXIT_CODES)
 @report_errors
 def report(
     scene: Annotated[str, typer.Argument(help="A scene, or a definition to run by itself.")],
     duration: Annotated[
-        float, typer.Option("--duration", metavar="S", help="Simulated time in seconds.")
-    ] = 1.0,
+        float | None,
+        typer.Option(
+            "--duration",
+            metavar="S",
+            help="Simulated time in seconds. [default: that of the scene, else 1]",
+        ),
+    ] = None,
     time_steps: Annotated[
         str | None,
         typer.Option(
@@ -108,7 +115,7 @@ def report(
     from somo_cli.simulation.metadata import provenance
 
     budget = budget_of(max_seconds, max_memory)
-    require(0 < duration <= 1e6, "--duration", f"{duration} is not greater than 0 and at most 1e6")
+    check_time_options(None, duration)
     require(0 < target < 1, "--target", f"{target} is not between 0 and 1")
     document = loading.load(scene, sets or [], *access_of(allow_outside, package))
     planned, warnings = loading.scene_of(document)
@@ -117,12 +124,13 @@ def report(
         document, planned, "the report measures errors of tips; run --error measures objects"
     )
     loading.refuse_overlaps(document, planned)
+    simulated = duration if duration is not None else planned.duration or DEFAULT_DURATION
     steps = _steps(time_steps, planned.time_step)
     settings = StudySettings(
         steps,
         _integrators(integrators),
         _counts(segments),
-        _instants(steps, duration),
+        _instants(steps, simulated),
         repeats,
     )
     require_few_steps(total_steps(settings), "--duration")

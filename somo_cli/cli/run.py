@@ -27,17 +27,24 @@ from somo_cli.cli.run_outputs import (
     target_of_events,
     with_columns,
 )
+from somo_cli.cli.simulated_time import (
+    DurationOption,
+    StepsOption,
+    check_time_options,
+    steps_to_take,
+)
 
 if TYPE_CHECKING:
     from somo_cli.analysis.tolerances import Tolerances
     from somo_cli.loading import Auto
 
 
-@app.command(epilog=EXIT_CODES)
+@app.command(short_help="Simulate a scene and write its trajectory as CSV.", epilog=EXIT_CODES)
 @report_errors
 def run(
     scene: Annotated[str, typer.Argument(help="A scene, or a definition to run by itself.")],
-    steps: Annotated[int, typer.Option("--steps", min=0, help="Number of time steps.")],
+    steps: StepsOption = None,
+    duration: DurationOption = None,
     output: Annotated[
         str | None,
         typer.Option(
@@ -137,6 +144,8 @@ def run(
 ) -> None:
     """Simulate a scene and write its trajectory as CSV.
 
+    For example: somo run scene.yaml --duration 2.5 -o finger.csv
+
     If the run does not reach its end, FILE.partial has the rows so far.
     """
     from somo_cli import loading
@@ -144,10 +153,12 @@ def run(
     budget = budget_of(max_seconds, max_memory)
     hint = "--tolerance tells the error as well: leave --error out"
     require(not (tolerance and with_error), "--error", hint)
+    check_time_options(steps, duration)
     step = _step(time_step)
     document = loading.load(scene, sets or [], *access_of(allow_outside, package))
     planned, warnings = loading.scene_of(document, every, step)
     terminal.print_problems(warnings, document.texts)
+    count = steps_to_take(steps, duration, planned)
     if record:
         planned = with_columns(planned, record)
     target = output or f"{Path(scene).stem}.csv"
@@ -169,12 +180,12 @@ def run(
 
         allowed = _tolerances(tolerance, prepared.names)
         summary, is_known = simulate_to_tolerance(
-            prepared, steps, targets, sets or [], allowed, halvings, quiet, budget
+            prepared, count, targets, sets or [], allowed, halvings, quiet, budget
         )
     else:
         from somo_cli.cli.run_once import simulate_once
 
-        summary = simulate_once(prepared, steps, targets, sets or [], with_error, quiet, budget)
+        summary = simulate_once(prepared, count, targets, sets or [], with_error, quiet, budget)
     if not is_known or (is_strict and summary.findings):
         raise typer.Exit(1)
 

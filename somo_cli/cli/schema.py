@@ -7,7 +7,7 @@ import typer
 from somo_cli.cli.application import EXIT_CODES, app, report_errors, require
 
 
-@app.command(epilog=EXIT_CODES)
+@app.command(short_help="Print a JSON Schema, or list them.", epilog=EXIT_CODES)
 @report_errors
 def schema(
     name: Annotated[str | None, typer.Argument(help="Which one. [default: list them]")] = None,

@@ -17,7 +17,7 @@ from somo_cli.cli.application import (
 )
 
 
-@app.command(epilog=EXIT_CODES)
+@app.command(short_help="Show a definition or a scene as a tree.", epilog=EXIT_CODES)
 @report_errors
 def show(
     path: Annotated[str, typer.Argument(metavar="FILE", help="A definition or a scene.")],

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 _SECONDS_PER_LINE = 10.0  # of progress, where there is no terminal
 
 
-@app.command(epilog=EXIT_CODES)
+@app.command(short_help="Run a scene for many sets of parameters.", epilog=EXIT_CODES)
 @report_errors
 def sweep(
     study: Annotated[str, typer.Argument(help="A study: a scene, parameters and labels.")],

@@ -119,6 +119,7 @@ class Scene:
 
     `columns` and `object_quantities` are recorded of manipulators and objects, but only columns
     that match one of the patterns `only`, if there are any. `stop_conditions` end a run early.
+    `duration` is the simulated time [s] unless a command says another.
     `reference` is the closed form that a study compares the results with, if there is one.
     `is_time_step_automatic` says that the scene leaves the time step to us; `expected_tip_error` is
     the error of the tip, relative to the length, for which it was chosen.
@@ -139,7 +140,15 @@ class Scene:
     stop_conditions: tuple[StopCondition, ...] = ()
     has_contact_events: bool = False
     is_time_step_automatic: bool = False
+    duration: float | None = None
     expected_tip_error: float | None = None
+
+
+# without duration, which a study has as well
+_KEYS_OF_SCENES = {
+    *("time_step", "gravity", "integrator", "record", "reference"),
+    *("ground", "objects", "stop"),
+}
 
 
 def is_scene(document: Document) -> bool:
@@ -149,9 +158,7 @@ def is_scene(document: Document) -> bool:
         return "manipulators" in keys
     if keys & {"manipulator_name", "actuator_definitions"}:
         return False
-    return not keys.isdisjoint(
-        {"time_step", "gravity", "integrator", "record", "reference", "ground", "objects", "stop"}
-    )
+    return not keys.isdisjoint(_KEYS_OF_SCENES)
 
 
 def single_manipulator_scene(definition: Document) -> Document:

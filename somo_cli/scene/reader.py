@@ -84,6 +84,7 @@ def read_scene(document: Document, definitions: DefinitionCompiler | None = None
         stop_conditions=stop_conditions_module.read_stop_conditions(data.get("stop", ())),
         has_contact_events=bool(record.get("events", False)),
         is_time_step_automatic=is_chosen,
+        duration=float(data["duration"]) if "duration" in data else None,
     )
 
 

@@ -8,6 +8,7 @@ from typing import Any, Literal, TypeAlias
 
 from somo_cli.problems import Pointer
 from somo_cli.scene.column_units import unit_of
+from somo_cli.scene.duration import steps_of
 from somo_cli.scene.pose_table import TIME
 from somo_cli.sweep.expressions import Expression
 from somo_cli.sweep.reductions import Options
@@ -83,7 +84,7 @@ class Study:
 
     def steps_at(self, time_step: float) -> int:
         """Return the number of steps of a run with a time step [s], the nearest whole one."""
-        return self.steps if self.steps is not None else round((self.duration or 0.0) / time_step)
+        return self.steps if self.steps is not None else steps_of(self.duration or 0.0, time_step)
 
     @property
     def columns(self) -> tuple[str, ...]:
