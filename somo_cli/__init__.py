@@ -38,6 +38,7 @@ The rooms of the code, each of which knows only those before it (`make map` draw
 - `api/`: the public Python API.
 - `sweep/`: a scene run for many sets of parameters.
 - `manual/`: the pages that `somo help` shows.
+- `templates/`: first files of a user's own.
 - `plot/`: plots of trajectories and of sweeps.
 - `cli/`: the commands.
 

@@ -70,6 +70,9 @@ SHORT = ("--steps", "120", "--every", "10")
 COMMANDS = (
     ("examples", "shipped"),
     ("help", "tour"),
+    ("new", "gripper", "own"),
+    ("new", "arm", "long"),
+    ("new", "study", "varied", "--of", "own_scene.yaml"),
     ("show", "shipped/definitions/scene.yaml"),
     ("columns", "shipped/definitions/scene.yaml"),
     ("schema", "scene"),

@@ -73,6 +73,7 @@ KNOWS: dict[str, set[str]] = {
         "api",
     },
     "manual": {"", "files"},
+    "templates": {""},
     "plot": {"", "problems", "arrays", "document", "scene"},
     "cli": _RUN
     | {
@@ -80,6 +81,7 @@ KNOWS: dict[str, set[str]] = {
         "sweep",
         "plot",
         "manual",
+        "templates",
         "document",
         "scene.checks",
         "simulation.engine.bullet",
