@@ -183,7 +183,7 @@ def _wanted(
 
 def _moment(moment_arms: "MomentArms", section: str, bore: str | None, poisson: float) -> float:
     """Return rigidity over modulus [m⁴]: I, or J / (2 (1 + Poisson's ratio)) for torsion."""
-    from somo_cli.calibration.section import parse_section
+    from somo_cli.manipulator.section import parse_section
 
     try:
         shape = parse_section(section)

@@ -10,6 +10,7 @@ from somo_cli.document.parse import Document
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.definition import MAXIMUM_JOINTS
 from somo_cli.manipulator.link_checks import IsSound, link_problems
+from somo_cli.manipulator.modulus_checks import modulus_problems
 from somo_cli.manipulator.read import link_from
 from somo_cli.problems import Pointer, Problem
 
@@ -86,6 +87,7 @@ def _actuator_problems(document: Document, at: Pointer, is_sound: IsSound) -> It
             yield from _joint_problems(document, (*at, "joint_definitions", index), joint)
     if isinstance(data.get("link_definition"), Mapping):
         yield from link_problems(document, (*at, "link_definition"), is_sound)
+        yield from modulus_problems(document, at, data, is_sound)
     needed: tuple[Pointer, ...] = ((*at, "n_segments"), (*at, "planar_flag"))
     if "n_segments" in data and all(is_sound(pointer) for pointer in needed):
         yield from _count_problems(document, at, data, len(joints), is_sound)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from somo_cli.document.parse import Document
-from somo_cli.manipulator import geometry, joint_placement
+from somo_cli.manipulator import elastic_link, geometry, joint_placement
 from somo_cli.manipulator.definition import (
     ActuatorDefinition,
     Definition,
@@ -55,14 +55,19 @@ def world_scale(document: Document, at: Pointer = ()) -> WorldScale:
 
 
 def link_from(data: Mapping[str, Any]) -> LinkDefinition:
-    """Return the link from a mapping without errors."""
+    """Return the link from a mapping without errors.
+
+    Without a mass it has that of its solid, of the density that is then given.
+    """
     inertia = data.get("inertial_values")
     offset = data.get("origin_offset") or (0,) * 6
     rgba = data.get("material_color") or _GREY
+    solid = solid_from(data["shape_type"], [float(value) for value in data["dimensions"]])
+    mass = data.get("mass")
     return LinkDefinition(
         shape_type=data["shape_type"],
-        solid=solid_from(data["shape_type"], [float(value) for value in data["dimensions"]]),
-        mass=float(data["mass"]),
+        solid=solid,
+        mass=float(data["density"]) * solid.volume if mass is None else float(mass),
         inertia=None if inertia is None else _six(inertia),
         material=Material(data.get("material_name") or "grey", _four(rgba)),
         offset=geometry.vector(offset[:3]),
@@ -82,9 +87,12 @@ def solid_from(shape_type: str, dimensions: list[float]) -> Solid:
 
 def _actuator(data: Mapping[str, Any]) -> ActuatorDefinition:
     link = link_from(data["link_definition"])
-    definitions = [_joint(item) for item in data["joint_definitions"]]
+    items = data["joint_definitions"]
     count = int(data["n_segments"])
-    is_alternating = int(data.get("planar_flag", 1 if len(definitions) == 1 else 0)) == 0
+    is_alternating = int(data.get("planar_flag", 1 if len(items) == 1 else 0)) == 0
+    span = link.height * (len(items) if is_alternating else 1)
+    material = data["link_definition"]
+    definitions = [_joint(item, _stiffness(item, material, link, span)) for item in items]
     turns = [index % len(definitions) for index in range(count)]
     return joint_placement.actuator_of(
         link,
@@ -95,7 +103,22 @@ def _actuator(data: Mapping[str, Any]) -> ActuatorDefinition:
     )
 
 
-def _joint(data: Mapping[str, Any]) -> JointDefinition:
+def joint_axis(data: Mapping[str, Any]) -> geometry.Vector:
+    """Return the axis of a joint definition as it is given, x by default."""
+    return geometry.vector(data.get("axis") or (1, 0, 0))
+
+
+def _stiffness(
+    joint: Mapping[str, Any], data: Mapping[str, Any], link: LinkDefinition, span: float
+) -> float:
+    """Return the stiffness that is given or, without one, that of the link's material, else 0."""
+    given = joint.get("spring_stiffness")
+    if given is None and data.get("modulus") is not None:
+        return elastic_link.joint_stiffness(data, link.solid, joint_axis(joint), span)
+    return float(given or 0)
+
+
+def _joint(data: Mapping[str, Any], stiffness: float) -> JointDefinition:
     # a joint without limits has lower > upper, as URDF readers expect
     lower, upper, effort, velocity = data.get("limits") or (0.0, -1.0, 0.0, 0.0)
     if data["joint_type"] == "continuous":
@@ -104,12 +127,12 @@ def _joint(data: Mapping[str, Any]) -> JointDefinition:
     per_pressure = data.get("torque_per_pressure")
     return JointDefinition(
         joint_type=data["joint_type"],
-        axis=geometry.vector(data.get("axis") or (1, 0, 0)),
+        axis=joint_axis(data),
         lower=float(lower),
         upper=float(upper),
         effort=float(effort),
         velocity=float(velocity),
-        stiffness=float(data.get("spring_stiffness") or 0),
+        stiffness=stiffness,
         damping=float(data.get("spring_damping") or 0),
         neutral_position=float(data.get("joint_neutral_position") or 0),
         friction=float(data.get("joint_control_limit_force") or 0),

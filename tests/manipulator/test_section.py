@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pytest
 
-from somo_cli.calibration.section import Section, parse_section
+from somo_cli.manipulator.section import Section, parse_section
 
 SHAPES = [
     "box:0.02,0.012",
