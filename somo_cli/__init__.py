@@ -21,7 +21,7 @@ The rooms of the code, each of which knows only those before it (`make map` draw
 - `document/`: a file as it was written, each value with its line and column.
 - `manipulator/`: what a definition means, its chain of links, its URDF.
 - `scene/`: what a scene says, in SI; `scene/checks/`: what can be wrong with it, part by part.
-- `exchange/`: models for other programs, MJCF and SDF.
+- `exchange/`: models for other programs, MJCF and SDF, and their definitions.
 - `simulation/plan/`: what is decided before an engine starts, in the engine's units.
 - `simulation/dynamics/`: rigid-body dynamics of chains, as arrays.
 - `simulation/engine/`: what a run needs of an engine.

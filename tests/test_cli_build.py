@@ -1,4 +1,4 @@
-"""somo build for other programs: formats, scales, what it says, and what it refuses."""
+"""somo build for other programs, and somo import: what they write, say and refuse."""
 
 from __future__ import annotations
 
@@ -81,4 +81,35 @@ def test_what_does_not_go_together_is_a_usage_error(
     ended = somo("build", *arguments)
     assert (ended.returncode, ended.stdout) == (2, "")
     assert said in " ".join(ended.stderr.split())
+    assert {path.name: path.read_bytes() for path in here.iterdir()} == before
+
+
+def test_a_model_comes_back_as_a_definition(somo: Somo, here: Path) -> None:
+    assert somo("build", "finger.yaml", "--for", "mujoco", "-o", "arm.xml").returncode == 0
+    ended = somo("import", "arm.xml")
+    assert (ended.returncode, ended.stdout) == (0, "")
+    assert ended.stderr == (
+        "arm.yaml: 11 links, 10 joints, 0.6444 kg, 0.11 m long, world scale 1\n"
+    )
+    text = (here / "arm.yaml").read_text("utf-8")
+    assert text.startswith("# Imported from arm.xml; its format does not have torque per pressure")
+    assert "spring_stiffness: 0.117045" in text
+    piped = somo("import", "arm.xml", "-o", "-")
+    assert (piped.returncode, piped.stdout, piped.stderr) == (0, text, "")
+    again = somo("build", "arm.yaml", "--for", "mujoco", "-o", "-").stdout
+    assert again == (here / "arm.xml").read_text("utf-8")
+
+
+@pytest.mark.moderate
+def test_an_import_replaces_no_file_unasked(somo: Somo, here: Path) -> None:
+    assert somo("build", "finger.yaml", "-o", "finger.urdf").returncode == 0
+    before = {path.name: path.read_bytes() for path in here.iterdir()}
+    for arguments in (("finger.urdf",), ("finger.urdf", "-o", "finger.urdf")):
+        ended = somo("import", *arguments)
+        assert (ended.returncode, ended.stdout) == (2, "")
+    (here / "broken.xml").write_text("<mujoco><worldbody/></mujoco>")
+    ended = somo("import", "broken.xml")
+    assert ended.returncode == 3
+    assert ended.stderr.startswith("broken.xml:1:1: error: the world has 0 bodies with hinges\n")
+    (here / "broken.xml").unlink()
     assert {path.name: path.read_bytes() for path in here.iterdir()} == before

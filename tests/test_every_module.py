@@ -83,6 +83,10 @@ COMMANDS = (
     ("build", "shipped/definitions/finger.yaml", "--for", "drake", "-o", "finger.sdf"),
     ("build", "shipped/definitions/cantilever.yaml", "--for", "mujoco", "-o", "beam.xml"),
     ("build", "shipped/definitions/lift_scene.yaml", "--for", "mujoco", "-o", "lift.xml"),
+    ("import", "finger.sdf", "-o", "found.yaml"),
+    ("import", "beam.xml", "-o", "-"),
+    ("build", "shipped/definitions/hand.yaml", "-o", "hand.urdf"),
+    ("import", "hand.urdf"),
     ("run", "shipped/definitions/scene.yaml", *SHORT, "--error", "-o", "rows.csv"),
     ("run", "shipped/definitions/scene.yaml", *SHORT, "--tolerance", "0.1", "-o", "known.csv"),
     ("check", "shipped/definitions/scene.yaml", "--numerics", "--trajectory", "rows.csv"),
@@ -121,6 +125,8 @@ labels:
 """
 RESULTS = (
     "finger.urdf",
+    "found.yaml",
+    "hand.yaml",
     "rows.csv",
     "rows.meta.json",
     "picture.png",

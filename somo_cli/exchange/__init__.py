@@ -1,1 +1,1 @@
-"""Models for other programs: MJCF and SDF in SI."""
+"""Models for other programs, MJCF and SDF in SI, and definitions of models of others."""

@@ -17,12 +17,21 @@ MAX_DEPTH = 50
 
 @dataclass(frozen=True, slots=True)
 class XmlElement:
-    """An element of an XML document; `span` is the position of its start."""
+    """An element of an XML document; `span` is the position of its start.
+
+    `pieces` are what stands between its tags, comments left out.
+    """
 
     tag: str
     attributes: Mapping[str, str]
     span: Span
     children: list[XmlElement] = field(default_factory=list)
+    pieces: list[str] = field(default_factory=list)
+
+    @property
+    def text(self) -> str:
+        """The text of the element itself, without blanks around it."""
+        return "".join(self.pieces).strip()
 
     def children_with_tag(self, tag: str) -> list[XmlElement]:
         """Return the children with this tag, in document order."""
@@ -39,8 +48,11 @@ class XmlElement:
             yield from child.walk()
 
 
-def parse_xml(text: str, source: str) -> XmlElement:
-    """Return the root element. Raises InvalidFile with the first error: reading stops there."""
+def parse_xml(text: str, source: str, max_depth: int = MAX_DEPTH) -> XmlElement:
+    """Return the root element. Raises InvalidFile with the first error: reading stops there.
+
+    `max_depth` is how deep elements may be nested.
+    """
     parser = xml.parsers.expat.ParserCreate()
     open_elements: list[XmlElement] = []
     roots: list[XmlElement] = []
@@ -58,8 +70,8 @@ def parse_xml(text: str, source: str) -> XmlElement:
     def start(tag: str, attributes: dict[str, str]) -> None:
         nonlocal count
         count += 1
-        if count > MAX_ELEMENTS or len(open_elements) >= MAX_DEPTH:
-            refuse(f"more than {MAX_ELEMENTS} elements, or more than {MAX_DEPTH} nested ones")
+        if count > MAX_ELEMENTS or len(open_elements) >= max_depth:
+            refuse(f"more than {MAX_ELEMENTS} elements, or more than {max_depth} nested ones")
         element = XmlElement(tag, attributes, here())
         (open_elements[-1].children if open_elements else roots).append(element)
         open_elements.append(element)
@@ -67,9 +79,14 @@ def parse_xml(text: str, source: str) -> XmlElement:
     def end(_: str) -> None:
         open_elements.pop()
 
+    def characters(data: str) -> None:
+        if open_elements:
+            open_elements[-1].pieces.append(data)
+
     parser.StartDoctypeDeclHandler = doctype
     parser.StartElementHandler = start
     parser.EndElementHandler = end
+    parser.CharacterDataHandler = characters
     try:
         parser.Parse(text, True)
     except xml.parsers.expat.ExpatError as error:
