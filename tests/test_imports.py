@@ -38,6 +38,7 @@ LOADING = DOOR | {
     "scene",
     "scene.checks",
 }
+BUILDING = LOADING | {"exchange"}
 PLANNED = LOADING | {
     "arrays",
     "simulation",
@@ -60,8 +61,8 @@ EXPECTED = {
     ("--version",): (TYPER, DOOR),
     ("--help",): (TYPER, DOOR),
     ("run", "--help"): (TYPER, DOOR),
-    ("build", FINGER): (CHECKING, LOADING),
-    ("build", FINGER, "--verify"): (CHECKING | {"numpy", "scipy", "trimesh", "yourdfpy"}, LOADING),
+    ("build", FINGER): (CHECKING, BUILDING),
+    ("build", FINGER, "--verify"): (CHECKING | {"numpy", "scipy", "trimesh", "yourdfpy"}, BUILDING),
     ("check", FINGER): (CHECKING, LOADING),
     ("check", SCENE): (CHECKING, LOADING),
     ("check", SCENE, "--plan"): (CHECKING | {"numpy"}, PLANNED),

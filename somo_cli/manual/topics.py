@@ -20,10 +20,16 @@ TOPICS = {
     "python": "the API: load, check, build, simulate, Simulation",
     "models": "URDF, SDF and MJCF for other programs; a scene that opens in MuJoCo",
     "from-somo": "what changes for a user of SoMo",
+    "troubleshooting": "every finding and the usual errors: what they mean, what to do",
+    "columns": "what can be recorded, with units",
+    "fields": "every field of every kind of file, with units",
     "method": "the spring-damper law, and the prediction of contact",
     "benchmarks": "the law against theory, MuJoCo and the loop that users write",
 }
 """Each topic and what its page is about."""
+
+GENERATED = ("columns", "fields")
+"""The topics without a file: they are written from the schemas and the registry of quantities."""
 
 _FOLDER = Path(__file__).parent / "pages"
 
@@ -32,7 +38,20 @@ def page(topic: str) -> str:
     """Return the page of a topic as Markdown; raises KeyError for one that is unknown."""
     if topic not in TOPICS:
         raise KeyError(topic)
+    if topic in GENERATED:
+        return _generated(topic)
     return files.read_text(str(_FOLDER / f"{topic}.md"))
+
+
+def _generated(topic: str) -> str:
+    # imported here: other pages need neither schemas nor quantities
+    from somo_cli.document.schemas import schema_names
+    from somo_cli.manual.column_reference import column_reference
+    from somo_cli.manual.schema_reference import schema_reference
+
+    if topic == "columns":
+        return column_reference()
+    return "# Fields\n\n" + "\n".join(map(schema_reference, schema_names()))
 
 
 def contents() -> str:

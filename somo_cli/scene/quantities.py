@@ -60,15 +60,18 @@ def channels(chain: Chain) -> list[tuple[int, int]]:
     return sorted({(joint.actuator, joint.channel) for joint in chain.joints})
 
 
-def _joints(chain: Chain) -> list[str]:
+def joint_names(chain: Chain) -> list[str]:
+    """Return the names of the joints."""
     return [joint.name for joint in chain.joints]
 
 
-def _links(chain: Chain) -> list[str]:
+def link_names(chain: Chain) -> list[str]:
+    """Return the names of the links."""
     return [link.name for link in chain.links]
 
 
-def _tips(chain: Chain) -> list[str]:
+def tip_names(chain: Chain) -> list[str]:
+    """Return the names of the tips."""
     return list(limbs_by_tip_name(chain))
 
 
@@ -92,17 +95,17 @@ _VELOCITIES: frozenset[Need] = frozenset({"velocities"})
 _CONTACTS: frozenset[Need] = frozenset({"contacts"})
 
 BODY_COLUMNS: dict[Quantity, Columns] = {
-    "joint_angles": Columns(("angle_rad",), "rad", _joints),
-    "joint_rates": Columns(("rate_rad_per_s",), "rad/s", _joints, _VELOCITIES),
-    "spring_torques": Columns(("spring_torque_nm",), "N·m", _joints),
+    "joint_angles": Columns(("angle_rad",), "rad", joint_names),
+    "joint_rates": Columns(("rate_rad_per_s",), "rad/s", joint_names, _VELOCITIES),
+    "spring_torques": Columns(("spring_torque_nm",), "N·m", joint_names),
     "actuation": Columns(("torque_nm",), "N·m", channel_names),
-    "link_positions": Columns(_XYZ, "m", _links, _BASE, vector=3),
-    "link_orientations": Columns(_XYZW, "1", _links, _BASE, vector=4, quaternion_start=0),
+    "link_positions": Columns(_XYZ, "m", link_names, _BASE, vector=3),
+    "link_orientations": Columns(_XYZW, "1", link_names, _BASE, vector=4, quaternion_start=0),
     "base_pose": Columns(
         _prefixed("base_pose", _XYZ + _XYZW), "m", None, _BASE, vector=3, quaternion_start=3
     ),
-    "tip_position": Columns(_XYZ, "m", _tips, _BASE, vector=3),
-    "curvatures": Columns(("curvature_per_m",), "1/m", _joints),
+    "tip_position": Columns(_XYZ, "m", tip_names, _BASE, vector=3),
+    "curvatures": Columns(("curvature_per_m",), "1/m", joint_names),
     "energy": Columns(
         _prefixed("energy", ("kinetic_j", "elastic_j", "gravity_j")),
         "J",
@@ -111,7 +114,7 @@ BODY_COLUMNS: dict[Quantity, Columns] = {
     "contact_force": Columns(_prefixed("contact", _TOTAL_FORCE), "N", needs=_CONTACTS),
     "contact_pairs": Columns((), "N", needs=_CONTACTS),
     "link_contact_forces": Columns(
-        _prefixed("contact", FORCE_AND_FRICTION), "N", _links, _CONTACTS
+        _prefixed("contact", FORCE_AND_FRICTION), "N", link_names, _CONTACTS
     ),
 }
 """The quantities of a manipulator; the columns of contact pairs depend on the whole scene."""

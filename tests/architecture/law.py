@@ -72,7 +72,7 @@ KNOWS: dict[str, set[str]] = {
         "loading",
         "api",
     },
-    "manual": {"", "files"},
+    "manual": {"", "files", "document", "scene"},
     "templates": {""},
     "plot": {"", "problems", "arrays", "document", "scene"},
     "cli": _RUN
