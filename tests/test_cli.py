@@ -69,13 +69,11 @@ def test_version(somo: Somo) -> None:
     assert (ended.returncode, ended.stdout, ended.stderr) == (0, f"somo {__version__}\n", "")
 
 
-@pytest.mark.parametrize("command", [(), *((command,) for command in COMMANDS)])
-def test_every_help_lists_the_exit_codes(somo: Somo, command: tuple[str, ...]) -> None:
-    ended = somo(*command, "--help")
+def test_the_help_ends_with_the_exit_codes(somo: Somo) -> None:
+    ended = somo("--help")
     assert (ended.returncode, ended.stderr) == (0, "")
-    codes = ("0 success", "1 problems", "2 usage", "3 invalid", "4 diverged", "5 files", "130")
-    for code in (*codes, "somo help commands"):
-        assert code in " ".join(ended.stdout.split())
+    told = "Exit codes: 0 success, 1 problems found, others: see somo help commands."
+    assert ended.stdout.splitlines()[-1].strip() == told
 
 
 @pytest.mark.moderate
@@ -647,7 +645,10 @@ def test_a_locale_with_commas_makes_the_same_bytes(
 def test_examples_are_copied_and_check(somo: Somo, tmp_path: Path) -> None:
     ended = somo("examples", "copies")
     paths = ended.stdout.split()
-    assert (ended.returncode, ended.stderr) == (0, "")
+    assert (ended.returncode, ended.stderr.splitlines()[0]) == (0, "next:")
+    named = re.findall(r"copies/\S+", ended.stderr)
+    assert named
+    assert all((tmp_path / name).is_file() for name in named)
     assert "copies/definitions/finger.yaml" in paths
     assert somo("check", *paths).returncode == 0
     schema = (tmp_path / paths[0]).read_text().splitlines()[0].rsplit("=", 1)[1]

@@ -22,8 +22,7 @@ from somo_cli.problems import (
 if TYPE_CHECKING:
     from somo_cli.packages import Access
 
-EXIT_CODES = """Exit codes: 0 success, 1 problems found, 2 usage, 3 invalid file, 4 diverged,
-5 files or engine, 6 time or memory spent, 130 interrupted. More: somo help commands."""
+EXIT_CODES = "Exit codes: 0 success, 1 problems found, others: see somo help commands."
 
 MAX_STEPS = 1e8
 """The most time steps of a picture or a report, whose number follows from a time: hours of work."""
@@ -43,7 +42,7 @@ SetOption = Annotated[
     typer.Option(
         "--set",
         metavar="PATH=VALUE",
-        help="Override one value, such as actuator_definitions[0].n_segments=20. Repeatable.",
+        help="Override one value, such as 'actuator_definitions[0].n_segments=20'. Repeatable.",
     ),
 ]
 OutsideOption = Annotated[
@@ -84,9 +83,15 @@ MemoryOption = Annotated[
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="Print no summary.")]
 
 
+def examples_of(*lines: str) -> str:
+    """Return the end of a help text: commands as they are typed, one a line, and exit codes."""
+    # \b keeps the lines of a paragraph as they are
+    return "\b\nExamples:\n" + "\n".join(f"  {line}" for line in lines) + f"\n\n{EXIT_CODES}"
+
+
 def main() -> None:
     """Run the command line; raises SystemExit with its code."""
-    app()
+    app(prog_name="somo")  # also with python -m: the completion of shells goes by this name
 
 
 def report_errors(command: Command) -> Command:

@@ -6,10 +6,10 @@ import typer
 
 from somo_cli import output_files, terminal
 from somo_cli.cli.application import (
-    EXIT_CODES,
     QuietOption,
     SetOption,
     app,
+    examples_of,
     report_errors,
     require,
 )
@@ -20,7 +20,12 @@ if TYPE_CHECKING:
     from somo_cli.document.parse import Document
 
 
-@app.command(short_help="Compile a definition into a scaled URDF.", epilog=EXIT_CODES)
+@app.command(
+    short_help="Compile a definition into a scaled URDF.",
+    epilog=examples_of(
+        "somo build finger.yaml", "somo build finger.yaml --for gazebo -o finger.sdf"
+    ),
+)
 @report_errors
 def build(
     definition: Annotated[

@@ -8,7 +8,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from somo_cli import terminal
-from somo_cli.cli.application import EXIT_CODES, report_errors, require
+from somo_cli.cli.application import (
+    examples_of,
+    report_errors,
+    require,
+)
 from somo_cli.cli.calibrate import (
     ActuatorOption,
     AxisOption,
@@ -29,7 +33,13 @@ if TYPE_CHECKING:
     from somo_cli.scene.model import Scene
 
 
-@calibrate.command(short_help="Find the damping of the joints from a ring-down.", epilog=EXIT_CODES)
+@calibrate.command(
+    short_help="Find the damping of the joints from a ring-down.",
+    epilog=examples_of(
+        "somo calibrate damping finger.yaml --ratio 0.1",
+        "somo calibrate damping --patch finger.yaml --ring-down decay.csv",
+    ),
+)
 @report_errors
 def damping(
     scene: Annotated[

@@ -8,10 +8,10 @@ import typer
 
 from somo_cli import terminal
 from somo_cli.cli.application import (
-    EXIT_CODES,
     OutsideOption,
     PackageOption,
     access_of,
+    examples_of,
     report_errors,
     require,
 )
@@ -29,7 +29,10 @@ MIN_ROWS = 8
 _RUNS = 20  # runs per parameter that the progress bar expects
 
 
-@calibrate.command(short_help="Fit a scene to a recorded motion.", epilog=EXIT_CODES)
+@calibrate.command(
+    short_help="Fit a scene to a recorded motion.",
+    epilog=examples_of("somo calibrate fit scene.yaml --data motion.csv --parameters stiffness"),
+)
 @report_errors
 def fit(
     scene: Annotated[

@@ -6,7 +6,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from somo_cli.cli.application import EXIT_CODES, report_errors, require
+from somo_cli.cli.application import (
+    examples_of,
+    report_errors,
+    require,
+)
 from somo_cli.cli.calibrate import (
     AboutOption,
     ActuatorOption,
@@ -37,7 +41,14 @@ if TYPE_CHECKING:
     from somo_cli.calibration.moment_arms import MomentArms
 
 
-@calibrate.command(short_help="Find the stiffness of the joints.", epilog=EXIT_CODES)
+@calibrate.command(
+    short_help="Find the stiffness of the joints.",
+    epilog=examples_of(
+        "somo calibrate stiffness finger.yaml --tip-stiffness 6.12",
+        "somo calibrate stiffness --length 0.1 --joints 10 \\",
+        "    --modulus 2e5 --section box:0.02,0.01",
+    ),
+)
 @report_errors
 def stiffness(
     definition: DefinitionArgument = None,

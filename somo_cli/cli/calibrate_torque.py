@@ -7,7 +7,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from somo_cli import terminal
-from somo_cli.cli.application import EXIT_CODES, report_errors, require
+from somo_cli.cli.application import (
+    examples_of,
+    report_errors,
+    require,
+)
 from somo_cli.cli.calibrate import (
     AboutOption,
     ActuatorOption,
@@ -40,7 +44,13 @@ if TYPE_CHECKING:
 PRESSURE, FORCE = "pressure_pa", "force_n"
 
 
-@calibrate.command(short_help="Find the torque per pressure of the joints.", epilog=EXIT_CODES)
+@calibrate.command(
+    short_help="Find the torque per pressure of the joints.",
+    epilog=examples_of(
+        "somo calibrate torque finger.yaml --force 0.5",
+        "somo calibrate torque --patch finger.yaml --data forces.csv",
+    ),
+)
 @report_errors
 def torque(
     definition: DefinitionArgument = None,

@@ -8,11 +8,11 @@ import typer
 
 from somo_cli import terminal
 from somo_cli.cli.application import (
-    EXIT_CODES,
     OutsideOption,
     PackageOption,
     access_of,
     app,
+    examples_of,
     report_errors,
     require,
 )
@@ -34,7 +34,10 @@ if TYPE_CHECKING:
     from somo_cli.simulation.plan.model import Plan
 
 
-@app.command(short_help="Report every problem of files, before a run.", epilog=EXIT_CODES)
+@app.command(
+    short_help="Report every problem of files, before a run.",
+    epilog=examples_of("somo check finger.yaml scene.yaml", "somo check scene.yaml --numerics"),
+)
 @report_errors
 def check(
     paths: Annotated[

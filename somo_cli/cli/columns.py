@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from somo_cli.cli.application import (
-    EXIT_CODES,
     OutsideOption,
     PackageOption,
     SetOption,
     access_of,
     app,
+    examples_of,
     report_errors,
 )
 
@@ -19,7 +19,10 @@ if TYPE_CHECKING:
     from somo_cli.scene.available_columns import AvailableColumns
 
 
-@app.command(short_help="List what a scene can record.", epilog=EXIT_CODES)
+@app.command(
+    short_help="List what a scene can record.",
+    epilog=examples_of("somo columns scene.yaml", "somo columns scene.yaml --json"),
+)
 @report_errors
 def columns(
     scene: Annotated[str, typer.Argument(help="A scene, or a definition to run by itself.")],
@@ -30,11 +33,7 @@ def columns(
     allow_outside: OutsideOption = False,
     package: PackageOption = None,
 ) -> None:
-    """List what a scene can record: quantities, units, how many columns, and which it records.
-
-    For example: somo columns scene.yaml, then
-    somo run scene.yaml --steps 500 --record 'finger.tip.*'
-    """
+    """List what a scene can record: quantities, units, how many columns, and which it records."""
     from somo_cli import loading
     from somo_cli.scene.available_columns import available_columns
 

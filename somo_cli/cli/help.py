@@ -5,12 +5,20 @@ from typing import Annotated
 import typer
 
 from somo_cli import terminal
-from somo_cli.cli.application import EXIT_CODES, app, report_errors
+from somo_cli.cli.application import (
+    app,
+    examples_of,
+    report_errors,
+)
 
 _MOST_MATCHES = 20  # lines of one page
 
 
-@app.command(name="help", short_help="Show the manual, or search it.", epilog=EXIT_CODES)
+@app.command(
+    name="help",
+    short_help="Show the manual, or search it.",
+    epilog=examples_of("somo help tour", "somo help contact stiffness"),
+)
 @report_errors
 def show_help(
     words: Annotated[
@@ -18,10 +26,7 @@ def show_help(
         typer.Argument(metavar="TOPIC|WORD", help="A topic, or words to look for."),
     ] = None,
 ) -> None:
-    """Show a page of the manual, list its topics, or search it.
-
-    For example: somo help tour, somo help contact stiffness
-    """
+    """Show a page of the manual, list its topics, or search it."""
     from somo_cli.manual import topics
 
     if not words:

@@ -7,13 +7,23 @@ from typing import Annotated
 import typer
 
 from somo_cli import output_files, terminal
-from somo_cli.cli.application import EXIT_CODES, QuietOption, app, report_errors, require
+from somo_cli.cli.application import (
+    QuietOption,
+    app,
+    examples_of,
+    report_errors,
+    require,
+)
 from somo_cli.cli.outputs import refuse_unsafe
 
 _MAX_BYTES = 20_000_000
 
 
-@app.command("import", epilog=EXIT_CODES)
+@app.command(
+    "import",
+    short_help="Find the definition of a URDF, SDF or MJCF.",
+    epilog=examples_of("somo import finger.urdf", "somo import hand.xml --body hand -o hand.yaml"),
+)
 @report_errors
 def import_model(
     model: Annotated[str, typer.Argument(help="A URDF, an SDF or an MJCF, known by its root.")],

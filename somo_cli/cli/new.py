@@ -8,7 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from somo_cli import output_files, terminal
-from somo_cli.cli.application import EXIT_CODES, app, report_errors, require
+from somo_cli.cli.application import (
+    app,
+    examples_of,
+    report_errors,
+    require,
+)
 
 if TYPE_CHECKING:
     from somo_cli.templates.scenes import Varied
@@ -18,7 +23,14 @@ KINDS = ("finger", "gripper", "arm", "snake", "scene", "study")
 _SIZED = ("finger", "gripper", "arm", "snake")
 
 
-@app.command(short_help="Write a first definition, scene or study.", epilog=EXIT_CODES)
+@app.command(
+    short_help="Write a first definition, scene or study.",
+    epilog=examples_of(
+        "somo new finger mine",
+        "somo new gripper mine --length 0.08 --modulus 3e5",
+        "somo new study mine_study --of mine_scene.yaml",
+    ),
+)
 @report_errors
 def new(
     kind: Annotated[str, typer.Argument(metavar="|".join(KINDS), help="What to write.")],
@@ -55,10 +67,7 @@ def new(
         bool, typer.Option("--force", help="Replace files that are there already.")
     ] = False,
 ) -> None:
-    """Write a small, commented start that passes every check and runs.
-
-    For example: somo new gripper mine --length 0.08 --modulus 3e5
-    """
+    """Write a small, commented start that passes every check and runs."""
     require(kind in KINDS, "KIND", f"{kind!r} is not one of {', '.join(KINDS)}")
     given = {
         "length": length,

@@ -6,7 +6,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from somo_cli import files, output_files, terminal
-from somo_cli.cli.application import EXIT_CODES, QuietOption, app, report_errors, require
+from somo_cli.cli.application import (
+    QuietOption,
+    app,
+    examples_of,
+    report_errors,
+    require,
+)
 from somo_cli.cli.outputs import refuse_unsafe
 
 if TYPE_CHECKING:
@@ -14,7 +20,14 @@ if TYPE_CHECKING:
     from somo_cli.plot.sweep_table import SweepTable
 
 
-@app.command(short_help="Plot trajectories, or the table of a sweep.", epilog=EXIT_CODES)
+@app.command(
+    short_help="Plot trajectories, or the table of a sweep.",
+    epilog=examples_of(
+        "somo plot run.csv",
+        "somo plot a.csv b.csv --y 'finger.tip.*' -o tips.pdf",
+        "somo plot results.csv --heat pressure,mass --value lifted",
+    ),
+)
 @report_errors
 def plot(
     paths: Annotated[
@@ -72,9 +85,6 @@ def plot(
     """Draw trajectories over time, or the results of a sweep over its parameters.
 
     Several trajectories are drawn over each other. Needs somo-cli[plot].
-
-    Examples: somo plot run.csv; somo plot a.csv b.csv --y 'finger.tip.*' -o tips.pdf;
-    somo plot study_results/results.csv --heat pressure,mass --value lifted.
     """
     target = output or f"{Path(paths[0]).stem}.png"
     kind = Path(target).suffix.removeprefix(".").lower()

@@ -11,7 +11,6 @@ from somo_cli import output_files, terminal
 from somo_cli.budget import Budget
 from somo_cli.cli import render_source, run_report
 from somo_cli.cli.application import (
-    EXIT_CODES,
     MemoryOption,
     OutsideOption,
     PackageOption,
@@ -21,6 +20,7 @@ from somo_cli.cli.application import (
     access_of,
     app,
     budget_of,
+    examples_of,
     report_errors,
     require,
 )
@@ -39,7 +39,14 @@ if TYPE_CHECKING:
 STILL = ".png"
 
 
-@app.command(short_help="Draw a scene or a recorded run: still or film.", epilog=EXIT_CODES)
+@app.command(
+    short_help="Draw a scene or a recorded run: still or film.",
+    epilog=examples_of(
+        "somo render scene.yaml --at 0.5",
+        "somo render scene.yaml --duration 2 -o film.mp4",
+        "somo render run.csv -o film.gif --speed 0.5",
+    ),
+)
 @report_errors
 def render(
     source: Annotated[

@@ -12,7 +12,6 @@ import typer
 from somo_cli import output_files, terminal
 from somo_cli.budget import Budget
 from somo_cli.cli.application import (
-    EXIT_CODES,
     MemoryOption,
     OutsideOption,
     PackageOption,
@@ -22,6 +21,7 @@ from somo_cli.cli.application import (
     access_of,
     app,
     budget_of,
+    examples_of,
     report_errors,
     require,
     require_few_steps,
@@ -39,7 +39,13 @@ DEFAULT_DURATION = 1.0  # s
 INTEGRATORS = ("implicit", "euler", "explicit")
 
 
-@app.command(short_help="Measure error against run time.", epilog=EXIT_CODES)
+@app.command(
+    short_help="Measure error against run time.",
+    epilog=examples_of(
+        "somo report scene.yaml --duration 0.5",
+        "somo report scene.yaml --time-steps 0.004,0.002,0.001",
+    ),
+)
 @report_errors
 def report(
     scene: Annotated[str, typer.Argument(help="A scene, or a definition to run by itself.")],

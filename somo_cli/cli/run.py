@@ -8,7 +8,6 @@ import typer
 
 from somo_cli import terminal
 from somo_cli.cli.application import (
-    EXIT_CODES,
     MemoryOption,
     OutsideOption,
     PackageOption,
@@ -18,6 +17,7 @@ from somo_cli.cli.application import (
     access_of,
     app,
     budget_of,
+    examples_of,
     report_errors,
     require,
 )
@@ -39,7 +39,14 @@ if TYPE_CHECKING:
     from somo_cli.loading import Auto
 
 
-@app.command(short_help="Simulate a scene and write its trajectory as CSV.", epilog=EXIT_CODES)
+@app.command(
+    short_help="Simulate a scene and write its trajectory as CSV.",
+    epilog=examples_of(
+        "somo run scene.yaml --duration 2.5 -o finger.csv",
+        "somo run scene.yaml --duration 2.5 --tolerance 1e-2",
+        "somo run scene.yaml --steps 500 --set 'manipulators[0].scale.length=10'",
+    ),
+)
 @report_errors
 def run(
     scene: Annotated[str, typer.Argument(help="A scene, or a definition to run by itself.")],
@@ -143,8 +150,6 @@ def run(
     quiet: QuietOption = False,
 ) -> None:
     """Simulate a scene and write its trajectory as CSV.
-
-    For example: somo run scene.yaml --duration 2.5 -o finger.csv
 
     If the run does not reach its end, FILE.partial has the rows so far.
     """

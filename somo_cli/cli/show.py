@@ -2,25 +2,33 @@
 
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from somo_cli import files
 from somo_cli.cli.application import (
-    EXIT_CODES,
     OutsideOption,
     PackageOption,
     SetOption,
     access_of,
     app,
+    examples_of,
     report_errors,
+    require,
 )
 
+if TYPE_CHECKING:
+    from somo_cli.analysis.overview import Entry
 
-@app.command(short_help="Show a definition or a scene as a tree.", epilog=EXIT_CODES)
+
+@app.command(
+    short_help="Show a definition, a scene or a URDF as a tree.",
+    epilog=examples_of("somo show finger.yaml", "somo show scene.yaml --json"),
+)
 @report_errors
 def show(
-    path: Annotated[str, typer.Argument(metavar="FILE", help="A definition or a scene.")],
+    path: Annotated[str, typer.Argument(metavar="FILE", help="A definition, a scene or a URDF.")],
     as_json: Annotated[
         bool, typer.Option("--json", help="Print it as JSON on standard output.")
     ] = False,
@@ -28,16 +36,20 @@ def show(
     allow_outside: OutsideOption = False,
     package: PackageOption = None,
 ) -> None:
-    """Show a definition or a scene as a tree: masses, stiffnesses, modes, what drives what.
+    """Show a definition, a scene or a URDF as a tree.
 
-    For example: somo show finger.yaml
+    It has masses, stiffnesses, the slowest modes, and what drives what; of a URDF its joints.
     """
     from somo_cli import loading
     from somo_cli.analysis.manipulator_overview import manipulator_overview
-    from somo_cli.analysis.overview import tree_lines
     from somo_cli.analysis.scene_overview import scene_overview
+    from somo_cli.analysis.urdf_overview import urdf_overview
     from somo_cli.scene.model import is_scene
 
+    if path.lower().endswith(".urdf"):
+        require(not sets, "--set", "it is for a definition or a scene")
+        _print(urdf_overview(files.read_text(path), path), as_json)
+        return
     document = loading.load(path, sets or [], *access_of(allow_outside, package))
     scene, _ = loading.scene_of(document)
     if is_scene(document):
@@ -45,6 +57,12 @@ def show(
     else:
         (only,) = scene.manipulators
         entry = manipulator_overview(only.name, only.compiled.chain)
+    _print(entry, as_json)
+
+
+def _print(entry: "Entry", as_json: bool) -> None:
+    from somo_cli.analysis.overview import tree_lines
+
     if as_json:
         typer.echo(json.dumps(entry.plain(), indent=2, ensure_ascii=False))
     else:

@@ -10,13 +10,13 @@ import typer
 
 from somo_cli import terminal
 from somo_cli.cli.application import (
-    EXIT_CODES,
     OutsideOption,
     PackageOption,
     QuietOption,
     SetOption,
     access_of,
     app,
+    examples_of,
     report_errors,
     require,
 )
@@ -30,7 +30,14 @@ if TYPE_CHECKING:
 _SECONDS_PER_LINE = 10.0  # of progress, where there is no terminal
 
 
-@app.command(short_help="Run a scene for many sets of parameters.", epilog=EXIT_CODES)
+@app.command(
+    short_help="Run a scene for many sets of parameters.",
+    epilog=examples_of(
+        "somo sweep study.yaml --dry-run",
+        "somo sweep study.yaml --jobs 4 --resume",
+        "somo sweep study.yaml --resume --best lifted",
+    ),
+)
 @report_errors
 def sweep(
     study: Annotated[str, typer.Argument(help="A study: a scene, parameters and labels.")],

@@ -45,6 +45,11 @@ def is_ours(path: Path) -> bool:
         return stream.read(max(map(len, starts))).startswith(starts)
 
 
+def is_scaled(text: str) -> bool:
+    """Return whether a URDF begins with the comment of `scale_note`: it is not in SI."""
+    return text.startswith(f"{_HEADER}{_SCALE_NOTE}")
+
+
 def scale_note(scale: Scale) -> str:
     """Return the comment of a URDF in the units of a scale, a line; empty in SI."""
     if scale == Scale():

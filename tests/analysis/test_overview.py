@@ -9,6 +9,9 @@ import pytest
 
 from somo_cli.analysis.manipulator_overview import manipulator_overview
 from somo_cli.analysis.overview import Entry, tree_lines
+from somo_cli.analysis.urdf_overview import MAX_BRANCHES, urdf_overview
+from somo_cli.manipulator.urdf import render
+from somo_cli.problems import InvalidFile
 from tests.builders.command import Somo
 from tests.builders.definitions import actuator, chain_of, hinge, manipulator
 from tests.builders.pendulum import PENDULUM, PENDULUM_INERTIA
@@ -76,3 +79,61 @@ def test_a_schema_is_printed_as_it_is_shipped(somo: Somo) -> None:
     wrong = somo("schema", "scen")
     assert (wrong.returncode, wrong.stdout) == (2, "")
     assert "there is no schema 'scen'" in wrong.stderr
+
+
+def test_a_urdf_is_shown_with_its_springs() -> None:
+    chain = chain_of(manipulator(actuator(4, hinge(1, 0, 0, spring_stiffness=0.6))))
+    shown = urdf_overview(render(chain), "chain.urdf")
+    assert shown.facts["mass_kg"] == pytest.approx(sum(one.inertial.mass for one in chain.links))
+    assert (shown.facts["moving_joints"], shown.facts["is_in_si"]) == (4, True)
+    joints = shown.parts[1:]
+    assert [one.facts["stiffness"] for one in joints] == [0.6] * 4
+    assert [one.facts["child"] for one in joints] == [one.name for one in chain.links[1:]]
+    assert not any(one.parts for one in joints)  # a chain is a list
+
+
+def test_a_urdf_at_a_world_scale_says_so(somo: Somo) -> None:
+    built = somo("build", str(DEFINITIONS / "hand.yaml"), "-o", "hand.urdf")
+    assert built.returncode == 0
+    shown = somo("show", "hand.urdf").stdout.splitlines()
+    assert "not in SI" in shown[0]
+    branches = [line for line in shown if line.startswith(("├─ joint", "└─ joint"))]
+    limbs = [line.split("joint ")[1].split("_")[0] for line in branches]
+    assert limbs == ["thumb", "index", "middle", "ring", "little"]
+
+
+def _tree(joints: str, links: str = "abc") -> str:
+    named = "".join(f'<link name="{one}"/>' for one in links)
+    made = "".join(
+        f'<joint name="{p}{c}" type="fixed"><parent link="{p}"/><child link="{c}"/></joint>'
+        for p, c in joints.split()
+    )
+    return f'<robot name="r">{named}{made}</robot>'
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (_tree("ab"), "there are 2 links without a parent"),
+        (_tree("ab bc ab"), "there is another joint"),
+        (_tree("ac bc"), "link 'c' has two parents"),
+        (_tree("bc cb"), "their own ancestors"),
+        (_tree("ab bx"), "which is not a link"),
+        ("<sdf/>", "a URDF starts with <robot>"),
+        ('<robot name="r"><link name="a"><inertial><mass/></inertial></link></robot>', "no value"),
+    ],
+)
+def test_a_urdf_that_is_no_tree_is_refused(text: str, message: str) -> None:
+    with pytest.raises(InvalidFile) as caught:
+        urdf_overview(text, "wrong.urdf")
+    assert message in caught.value.problems[0].message
+
+
+def test_branches_on_branches_are_bounded() -> None:
+    names = [chr(0x4E00 + index) for index in range(2 * MAX_BRANCHES + 11)]
+    joints = []
+    for one in range(0, len(names) - 2, 2):  # two children each, the second of which goes on
+        joints += [names[one] + names[one + 1], names[one] + names[one + 2]]
+    with pytest.raises(InvalidFile, match="branches on branches") as caught:
+        urdf_overview(_tree(" ".join(joints), "".join(names)), "deep.urdf")
+    assert len(caught.value.problems) == 1
