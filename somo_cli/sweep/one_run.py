@@ -22,8 +22,9 @@ from somo_cli.scene.checks.recording import select_by_patterns
 from somo_cli.scene.columns import header
 from somo_cli.scene.model import Scene
 from somo_cli.simulation.plan.build import make_plan
+from somo_cli.simulation.run import RunSummary
 from somo_cli.sweep.label_values import is_kept, label_values
-from somo_cli.sweep.study import Point, Study
+from somo_cli.sweep.study import Point, Study, error_name
 
 
 class ColumnMissing(SomoError):
@@ -97,22 +98,47 @@ class StudyRunner:
 
     def _run(self, number: int, point: Point) -> Outcome:
         document = self.document(point)
-        found, warnings = loading.scene_of(document)
+        prepared, summary, rows = self._simulated(document)
+        values: dict[str, Any] = dict(label_values(self.study.labels, point, prepared.names, rows))
+        findings = [one.code for one in summary.findings]
+        run_time = summary.wall_time
+        if self.study.has_errors:
+            finer, of_finer, finer_rows = self._simulated(document, prepared.scene)
+            other = label_values(self.study.labels, point, finer.names, finer_rows)
+            values |= {error_name(name): _change(values[name], other[name]) for name in other}
+            run_time += of_finer.wall_time
+        if is_kept(self.study.keep, point, values):
+            self._keep(number, prepared, summary, rows)
+        return Outcome("done", values, tuple(findings), run_time=run_time)
+
+    def _simulated(
+        self, document: Document, halved: Scene | None = None
+    ) -> tuple[runs.PreparedRun, RunSummary, Array]:
+        """Run a document, at half the step of a scene if one is given, with rows at its times."""
+        if halved is None:
+            found, warnings = loading.scene_of(document)
+        else:
+            step, every = halved.time_step / 2, 2 * halved.every
+            found, warnings = loading.scene_of(document, every, step)
         prepared = runs.prepare(document, self._recording(found), warnings)
+        steps = self.study.steps_at(prepared.plan.time_step)
+        if halved is not None:
+            steps = 2 * self.study.steps_at(halved.time_step)
         blocks: list[Array] = [np.empty((0, len(prepared.names)))]
         with runs.OpenRun(prepared.plan) as opened:
-            summary = opened.run(self.study.steps_at(prepared.plan.time_step), blocks.append)
-        rows = np.concatenate(blocks)
-        values = label_values(self.study.labels, point, prepared.names, rows)
-        if is_kept(self.study.keep, point, values):
-            folder = Path(self.folder) / f"{number:04d}"
-            folder.mkdir(parents=True, exist_ok=True)
-            about = prepared.metadata(summary)
-            Result(prepared.names, rows, about).to_csv(folder / "trajectory.csv")
-            text = json.dumps(about, indent=2) + "\n"
-            output_files.write_atomically(str(folder / "trajectory.meta.json"), text)
-        findings = tuple(one.code for one in summary.findings)
-        return Outcome("done", dict(values), findings, run_time=summary.wall_time)
+            summary = opened.run(steps, blocks.append)
+        return prepared, summary, np.concatenate(blocks)
+
+    def _keep(
+        self, number: int, prepared: runs.PreparedRun, summary: RunSummary, rows: Array
+    ) -> None:
+        """Keep the trajectory of a run, and what is known of it."""
+        folder = Path(self.folder) / f"{number:04d}"
+        folder.mkdir(parents=True, exist_ok=True)
+        about = prepared.metadata(summary)
+        Result(prepared.names, rows, about).to_csv(folder / "trajectory.csv")
+        text = json.dumps(about, indent=2) + "\n"
+        output_files.write_atomically(str(folder / "trajectory.meta.json"), text)
 
     def _recording(self, found: Scene) -> Scene:
         """Return the scene with the columns of labels; with its own where trajectories are kept."""
@@ -123,6 +149,13 @@ class StudyRunner:
             return select_by_patterns(found, list(dict.fromkeys(columns))) if columns else found
         except ValueError as error:
             raise ColumnMissing(str(error)) from error
+
+
+def _change(value: Any, finer: Any) -> Any:
+    """Return how far two values are apart; of outcomes, whether they differ."""
+    if isinstance(value, bool) or isinstance(finer, bool):
+        return value != finer
+    return abs(float(value) - float(finer))
 
 
 def path_of(pointer: Pointer) -> str:

@@ -10,7 +10,7 @@ from somo_cli.document.table import Table
 from somo_cli.problems import Pointer, Problem, did_you_mean
 from somo_cli.sweep import label_reader, points, targets
 from somo_cli.sweep.names import name_problems
-from somo_cli.sweep.study import Parameter, Spacing
+from somo_cli.sweep.study import SAMPLED, Parameter, Spacing
 
 _SOURCES = ("values", "range", "log", "expression")
 _SPACINGS: Mapping[str, Spacing] = {"values": "values", "range": "linear", "log": "log"}
@@ -85,7 +85,7 @@ def _spaced(
             Problem(document.span(pointer), "the ends of log need the same sign, and not 0")
         )
         return Parameter(name, pointers, "log", (1.0,))
-    if combine in ("random", "latin_hypercube"):
+    if combine in SAMPLED:
         if "count" in span:
             place = document.span((*pointer, "count"), key=True)
             problems.append(Problem(place, "random sets have one count, that of the study"))

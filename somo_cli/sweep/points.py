@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from somo_cli.arrays import Array
 from somo_cli.sweep.expressions import ExpressionError
 from somo_cli.sweep.study import Combination, Parameter
 
@@ -75,7 +76,7 @@ def combined(
     elif combination == "table":
         sets = iter(rows)
     else:
-        sets = iter(_random(varied, count, seed, combination == "latin_hypercube"))
+        sets = iter(_sampled(varied, _shares(len(varied), count, seed, combination)))
     return tuple(
         _with_expressions(parameters, dict(zip(names, values, strict=True))) for values in sets
     )
@@ -89,25 +90,42 @@ def _slices(values: Sequence[Sequence[Any]]) -> Iterator[Sequence[Any]]:
             yield [*base[:place], value, *base[place + 1 :]]
 
 
-def _random(
-    parameters: Sequence[Parameter], count: int, seed: int, is_stratified: bool
-) -> list[list[Any]]:
-    """Return random values; stratified, each of `count` equal parts of a range has one.
+def _shares(parameters: int, count: int, seed: int, combination: Combination) -> Array:
+    """Return numbers from 0 to 1, (count, parameters).
 
-    McKay, Beckman, Conover, Technometrics 21 (1979) 239. A parameter with values takes any of them.
+    Of a Latin hypercube each of `count` equal parts has one of each parameter: McKay, Beckman,
+    Conover, Technometrics 21 (1979) 239. Sobol points are scrambled: Owen, J. Complexity 14
+    (1998) 466; their first powers of two are balanced.
     """
+    if combination == "sobol":
+        from scipy.stats import qmc  # slow to import
+
+        exponent = max(0, math.ceil(math.log2(max(1, count))))
+        points: Array = qmc.Sobol(parameters, seed=seed).random_base2(exponent)[:count]
+        return points
     generator = np.random.default_rng(seed)
-    columns: list[list[Any]] = []
-    for one in parameters:
+    columns = []
+    for _ in range(parameters):
         shares = generator.random(count)
-        if is_stratified:
+        if combination == "latin_hypercube":
             shares = (generator.permutation(count) + shares) / max(1, count)
-        if one.bounds is None:
-            size = len(one.values)
-            columns.append([one.values[min(size - 1, int(share * size))] for share in shares])
-        else:
-            columns.append([_between(one.bounds, float(share), one.is_log) for share in shares])
-    return [list(row) for row in zip(*columns, strict=True)]
+        columns.append(shares)
+    return np.array(columns).T
+
+
+def _sampled(parameters: Sequence[Parameter], shares: Array) -> list[list[Any]]:
+    """Return a set for each row of shares; a parameter with values takes any of them."""
+    return [
+        [_value(one, float(share)) for one, share in zip(parameters, row, strict=True)]
+        for row in shares
+    ]
+
+
+def _value(parameter: Parameter, share: float) -> Any:
+    if parameter.bounds is None:
+        size = len(parameter.values)
+        return parameter.values[min(size - 1, int(share * size))]
+    return _between(parameter.bounds, share, parameter.is_log)
 
 
 def _between(bounds: tuple[float, float], share: float, is_log: bool) -> float:

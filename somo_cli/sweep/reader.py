@@ -14,7 +14,7 @@ from somo_cli.scene.model import Scene, is_scene
 from somo_cli.scene.pose_table import TIME
 from somo_cli.sweep import label_reader, parameter_reader, points
 from somo_cli.sweep.expressions import Expression
-from somo_cli.sweep.study import Combination, Label, Parameter, Point, Study
+from somo_cli.sweep.study import SAMPLED, Combination, Label, Parameter, Point, Study
 
 
 def shape_problems(document: Document) -> tuple[Problem, ...]:
@@ -36,12 +36,12 @@ def _conflicts(document: Document) -> Iterator[Problem]:
         message = "duration and steps exclude each other" if both else "there is no duration"
         yield Problem(place, message, "give the simulated time in seconds as duration")
     combine = data.get("combine", "grid")
-    is_random = combine in ("random", "latin_hypercube")
+    is_random = combine in SAMPLED
     if is_random and "count" not in data:
         yield Problem(document.span(("combine",)), f"{combine} needs a count", "how many sets")
     for key in ("count", "seed"):
         if key in data and not is_random:
-            hint = "it is for combine: random or latin_hypercube"
+            hint = "it is for combine: random, latin_hypercube or sobol"
             yield Problem(document.span((key,), key=True), f"{key} has no effect", hint)
 
 
@@ -70,6 +70,7 @@ def read_study(document: Document, scene: Document, found: Scene, table: Table |
         data.get("duration"),
         data.get("time_out"),
         keep,
+        bool(data.get("error", False)),
     )
 
 

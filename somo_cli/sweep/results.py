@@ -140,8 +140,9 @@ def row_of(study: Study, number: int, outcome: Outcome) -> tuple[object, ...]:
     parameters = (_text(point[one.name]) for one in study.parameters)
     labels = (_text(outcome.labels.get(one.name, "")) for one in study.labels if not one.is_series)
     run_time = round(outcome.run_time, 6) if outcome.run_time else ""
+    errors = (_text(outcome.labels.get(name, "")) for name in study.errors)
     ending = (outcome.status, " ".join(outcome.findings), outcome.reason, run_time)
-    return (number, *parameters, *labels, *ending)
+    return (number, *parameters, *labels, *errors, *ending)
 
 
 def _text(value: object) -> object:

@@ -14,7 +14,11 @@ from somo_cli.sweep.expressions import Expression
 from somo_cli.sweep.reductions import Options
 
 Spacing: TypeAlias = Literal["values", "linear", "log", "random", "expression"]
-Combination: TypeAlias = Literal["grid", "zip", "slices", "random", "latin_hypercube", "table"]
+Combination: TypeAlias = Literal[
+    "grid", "zip", "slices", "random", "latin_hypercube", "sobol", "table"
+]
+SAMPLED: tuple[Combination, ...] = ("random", "latin_hypercube", "sobol")
+"""Combinations that draw `count` sets."""
 Point: TypeAlias = Mapping[str, Any]
 """The values of all parameters of a run, by name."""
 
@@ -65,6 +69,11 @@ class Label:
         return unit_of(self.column) or None
 
 
+def error_name(label: str) -> str:
+    """Return the name of the column with the error of a label."""
+    return f"{label}_error"
+
+
 @dataclass(frozen=True, slots=True)
 class Study:
     """A study that was read and has no errors.
@@ -81,6 +90,8 @@ class Study:
     duration: float | None
     time_out: float | None
     keep: bool | Expression
+    has_errors: bool = False
+    """Whether each run is done at half the step as well, for an estimate of its error."""
 
     def steps_at(self, time_step: float) -> int:
         """Return the number of steps of a run with a time step [s], the nearest whole one."""
@@ -96,7 +107,14 @@ class Study:
     def header(self) -> tuple[str, ...]:
         """The columns of the table of results."""
         labels = (one.name for one in self.labels if not one.is_series)
-        return ("run", *(one.name for one in self.parameters), *labels, *OUTCOME)
+        return ("run", *(one.name for one in self.parameters), *labels, *self.errors, *OUTCOME)
+
+    @property
+    def errors(self) -> tuple[str, ...]:
+        """The columns of errors, one for each label of the table."""
+        if not self.has_errors:
+            return ()
+        return tuple(error_name(one.name) for one in self.labels if not one.is_series)
 
 
 OUTCOME = ("status", "findings", "reason", "run_time_s")

@@ -64,6 +64,7 @@ KNOWS: dict[str, set[str]] = {
     "sweep": _SCENE
     | {
         "scene.checks",
+        "simulation",
         "simulation.plan",
         "files",
         "output_files",
@@ -126,7 +127,7 @@ HOMES: dict[str, tuple[str, ...]] = {
     "pybullet": ("simulation.engine.bullet.client",),
     "referencing": ("document.schemas",),
     "rich": ("terminal",),
-    "scipy": ("analysis.", "calibration."),
+    "scipy": ("analysis.", "calibration.", "sweep.points"),
     "trimesh": ("scene.mesh", "scene.mesh_parts", "scene.closed_surface"),
     "typer": ("cli.",),
     "xml": ("manipulator.urdf", "scene.urdf_xml", "exchange."),

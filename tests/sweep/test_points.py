@@ -71,3 +71,16 @@ def test_a_latin_hypercube_has_each_part_of_a_range_once() -> None:
     assert combined(ranges, "latin_hypercube", 50, seed=4) != sets
     plain = combined([*ranges, B], "random", 200, seed=1)
     assert {one["b"] for one in plain} == set(B.values)
+
+
+def test_sobol_points_are_balanced_and_repeat_by_their_seed() -> None:
+    ranges = [Parameter(name, (), "random", bounds=(0.0, 1.0)) for name in "xyz"]
+    sets = combined(ranges, "sobol", 64, seed=3)
+    values = np.array([[one[name] for name in "xyz"] for one in sets])
+    for column in values.T:  # each of 64 equal parts has one point
+        assert sorted(np.floor(64 * column)) == list(range(64))
+    quarters = np.floor(2 * values[:, :2]) @ (2, 1)
+    assert np.bincount(quarters.astype(int)).tolist() == [16] * 4
+    assert combined(ranges, "sobol", 64, seed=3) == sets
+    assert combined(ranges, "sobol", 64, seed=4) != sets
+    assert combined(ranges, "sobol", 40, seed=3) == sets[:40]

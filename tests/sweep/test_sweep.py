@@ -244,3 +244,22 @@ def test_wrong_usage_and_inputs_that_would_be_replaced(somo: Somo, here: Path) -
     assert "results.csv is one of the files that are read" in " ".join(ended.stderr.split())
     assert somo("sweep", "study.yaml", "-q", cwd=here).returncode == 0
     assert [row["length"] for row in table(here / "study_results")] == ["0.08"]
+
+
+@pytest.mark.moderate
+def test_errors_are_what_half_the_step_changes(somo: Somo, here: Path) -> None:
+    coarse = STUDY.replace("duration: 0.05", "duration: 0.2\nerror: true")
+    (here / "study.yaml").write_text(coarse, "utf-8")
+    ended = somo("sweep", "study.yaml", "-j", "1", "--set", "time_step=4e-3", cwd=here)
+    assert ended.returncode == 0, ended.stderr
+    rows = table(here / "study_results")
+    assert list(rows[0])[4:12] == [
+        *("reach", "end", "is_short", "most"),
+        *("reach_error", "end_error", "is_short_error", "most_error"),
+    ]
+    (here / "study.yaml").write_text(coarse.replace("\nerror: true", ""), "utf-8")
+    finer = ("--set", "time_step=2e-3", "--set", "record.every=20", "-o", "finer")
+    assert somo("sweep", "study.yaml", "-j", "1", *finer, cwd=here).returncode == 0
+    for row, half in zip(rows, table(here / "finer"), strict=True):
+        assert float(row["most_error"]) == abs(float(row["most"]) - float(half["most"])) > 0
+        assert (row["is_short_error"], row["end_error"]) == ("false", "0.0")
