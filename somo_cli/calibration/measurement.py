@@ -21,6 +21,7 @@ MEASURABLE: tuple[Quantity, ...] = (
     "joint_rates",
     "tip_position",
     "curvatures",
+    "bending_angles",
     "link_positions",
     "link_orientations",
     "base_pose",

@@ -40,7 +40,10 @@ def add_sensors(root: ET.Element, recorded: Recorded) -> None:
 
 def unread_quantities(recorded: Recorded) -> list[str]:
     """Return the recorded quantities for which there is no sensor."""
-    unread = {"spring_torques", "curvatures", "contact_pairs", "link_contact_forces", "angles"}
+    unread = {
+        *("spring_torques", "curvatures", "bending_angles", "tip_velocity", "tip_orientation"),
+        *("contact_pairs", "link_contact_forces", "angles"),
+    }
     asked: Sequence[str] = (*recorded.quantities, *recorded.object_quantities)
     found = [one for one in asked if one in unread or (one == "energy" and not _is_alone(recorded))]
     return sorted(set(found))

@@ -16,6 +16,8 @@ from somo_cli.scene.quantities import (
     joint_names,
     link_names,
     tip_names,
+    tip_orientation_names,
+    tip_velocity_names,
 )
 
 _PER: dict[Owners | None, str] = {
@@ -23,6 +25,8 @@ _PER: dict[Owners | None, str] = {
     joint_names: "of each joint",
     link_names: "of each link",
     tip_names: "of each tip",
+    tip_velocity_names: "of each tip",
+    tip_orientation_names: "of each tip",
     channel_names: "of each actuator and axis",
 }
 

@@ -75,6 +75,16 @@ def tip_names(chain: Chain) -> list[str]:
     return list(limbs_by_tip_name(chain))
 
 
+def tip_velocity_names(chain: Chain) -> list[str]:
+    """Return a name for the velocity of each tip."""
+    return [f"{tip}_velocity" for tip in limbs_by_tip_name(chain)]
+
+
+def tip_orientation_names(chain: Chain) -> list[str]:
+    """Return a name for the orientation of each tip."""
+    return [f"{tip}_orientation" for tip in limbs_by_tip_name(chain)]
+
+
 def channel_names(chain: Chain) -> list[str]:
     """Return the name of each axis of an actuator, in the order of `channels`."""
     names: dict[tuple[int, int], str] = {}
@@ -105,6 +115,17 @@ BODY_COLUMNS: dict[Quantity, Columns] = {
         _prefixed("base_pose", _XYZ + _XYZW), "m", None, _BASE, vector=3, quaternion_start=3
     ),
     "tip_position": Columns(_XYZ, "m", tip_names, _BASE, vector=3),
+    "tip_velocity": Columns(
+        tuple(f"{axis}_m_per_s" for axis in "xyz"),
+        "m/s",
+        tip_velocity_names,
+        _BASE | _VELOCITIES,
+        vector=3,
+    ),
+    "tip_orientation": Columns(
+        _XYZW, "1", tip_orientation_names, _BASE, vector=4, quaternion_start=0
+    ),
+    "bending_angles": Columns(("bend_rad",), "rad", channel_names),
     "curvatures": Columns(("curvature_per_m",), "1/m", joint_names),
     "energy": Columns(
         _prefixed("energy", ("kinetic_j", "elastic_j", "gravity_j")),

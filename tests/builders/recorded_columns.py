@@ -68,6 +68,13 @@ COLUMN_NAMES: dict[Quantity, list[str]] = {
     ],
     "base_pose": [f"base_pose.{name}" for name in ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")],
     "tip_position": ["tip.x_m", "tip.y_m", "tip.z_m"],
+    "tip_velocity": [f"tip_velocity.{axis}_m_per_s" for axis in "xyz"],
+    "tip_orientation": [f"tip_orientation.{name}" for name in ("qx", "qy", "qz", "qw")],
+    "bending_angles": [
+        "actuator_0_axis_0.bend_rad",
+        "actuator_0_axis_1.bend_rad",
+        "actuator_1_axis_0.bend_rad",
+    ],
     "energy": ["energy.kinetic_j", "energy.elastic_j", "energy.gravity_j"],
     "contact_force": ["contact.fx_n", "contact.fy_n", "contact.fz_n", "contact.normal_n"],
     "contact_pairs": [],  # it is alone

@@ -53,6 +53,7 @@ def test_what_is_assumed() -> None:
         "stop_conditions": (),
         "has_contact_events": False,
         "is_time_step_automatic": False,
+        "duration": None,
         "expected_tip_error": None,
         "columns": ("joint_angles", "tip_position"),
     }

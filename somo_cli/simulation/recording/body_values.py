@@ -109,11 +109,46 @@ def _base_pose(states: BodyStates, units: UnitFactors) -> Array:
 
 
 def _tip_position(states: BodyStates, units: UnitFactors) -> Array:
-    chain = states.body.chain
-    ends = [(limb.last_link, limb.tip) for limb in chain.limbs] or [(-1, chain.tip)]
     return np.concatenate(
-        [point_positions(states.frames, link, tip) / units.length for link, tip in ends]
+        [point_positions(states.frames, link, tip) / units.length for link, tip in _ends(states)]
     )
+
+
+def _tip_orientation(states: BodyStates, units: UnitFactors) -> Array:
+    turns = quaternions(states.frames[1])  # (links, 4, rows)
+    return np.concatenate([turns[link] for link, _ in _ends(states)])
+
+
+def _tip_velocity(states: BodyStates, units: UnitFactors) -> Array:
+    """Return the velocity of each tip: that of the base's motion there, and that of the joints."""
+    rows = states.angles.shape[1]
+    bases = states.base_poses if len(states.base_poses) == rows else [*states.base_poses] * rows
+    found = []
+    for row, (base, (velocity, spin)) in enumerate(zip(bases, states.base_velocities, strict=True)):
+        pose = states.dynamics().at(states.angles[:, row], base)
+        own: list[Array] = []
+        for (link, tip), jacobian in zip(_ends(states), pose.tip_jacobians(), strict=True):
+            arm = pose.point(link, tip) - pose.centres[0]
+            own.append(np.cross(spin, arm) + velocity + jacobian @ states.rates[:, row])
+        found.append(np.concatenate(own))
+    return np.array(found).T / units.length
+
+
+def _bending_angles(states: BodyStates, units: UnitFactors) -> Array:
+    """Return the sum of the joint angles of each actuator and axis."""
+    joints = [(joint.actuator, joint.channel) for joint in states.body.chain.joints]
+    return np.array(
+        [
+            states.angles[[index for index, own in enumerate(joints) if own == channel]].sum(axis=0)
+            for channel in channels(states.body.chain)
+        ]
+    )
+
+
+def _ends(states: BodyStates) -> list[tuple[int, Vector]]:
+    """Return the last link of each backbone, and its tip in the frame of that link."""
+    chain = states.body.chain
+    return [(limb.last_link, limb.tip) for limb in chain.limbs] or [(-1, chain.tip)]
 
 
 def _energy(states: BodyStates, units: UnitFactors) -> Array:
@@ -149,6 +184,9 @@ BODY_VALUES: dict[Quantity, BodyValueReader] = {
     "link_orientations": _link_orientations,
     "base_pose": _base_pose,
     "tip_position": _tip_position,
+    "tip_velocity": _tip_velocity,
+    "tip_orientation": _tip_orientation,
+    "bending_angles": _bending_angles,
     "energy": _energy,
     "contact_force": contact_values.total_forces,
     "contact_pairs": contact_values.forces_of_partners,

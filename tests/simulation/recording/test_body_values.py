@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from somo_cli.manipulator import geometry
 from somo_cli.manipulator.dimensions import Dimension, Scale
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.scene import columns
@@ -20,6 +21,7 @@ from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.dynamics.forward_kinematics import ForwardKinematics
 from somo_cli.simulation.engine.bullet.world import BulletBody, BulletWorld
 from somo_cli.simulation.engine.contacts import ContactPoint
+from somo_cli.simulation.plan.build import make_plan
 from somo_cli.simulation.plan.model import Plan
 from somo_cli.simulation.plan.units import unit_factors_of
 from somo_cli.simulation.recording.body_values import BODY_VALUES, BodyStates
@@ -204,3 +206,42 @@ def test_actuation_is_recorded_as_the_scene_says_it_whatever_the_scale() -> None
     }
     rows = rows_of(scene_from_text(json.dumps(scene)), 3)
     assert {row[1] for row in rows} == {0.03}
+
+
+@pytest.mark.parametrize("scale", [1, 20])
+def test_the_velocity_of_a_tip_is_the_change_of_its_position(scale: float) -> None:
+    plan = plan_that_records(EVERYTHING, "tip_position", "tip_velocity", world_scale=scale)
+    angles = bent(plan.bodies[0].chain)
+    states = state_in(plan, angles, TILTED)
+    (base,), ((velocity, spin),) = states.base_poses, states.base_velocities
+    centre = states.dynamics().at(states.angles[:, 0], base).centres[0]
+
+    def positions(time: float) -> np.ndarray:
+        turn = np.array(geometry.rotation_about((0.0, 0.0, 1.0), spin[2] * time))
+        place = centre + time * np.array(velocity) + turn @ (np.array(base.position) - centre)
+        moved = Pose(tuple(place), tuple(map(tuple, turn @ np.array(base.rotation))))
+        later = dataclasses.replace(
+            states, angles=states.angles + time * states.rates, base_poses=[moved]
+        )
+        return BODY_VALUES["tip_position"](later, unit_factors_of(plan))[:, 0]
+
+    found = BODY_VALUES["tip_velocity"](states, unit_factors_of(plan))[:, 0]
+    differences = (positions(1e-5) - positions(-1e-5)) / 2e-5
+    assert found == pytest.approx(differences, rel=1e-7)
+    assert np.linalg.norm(found) > 0.5
+
+
+def test_bending_angles_and_orientation_of_a_circle() -> None:
+    planar = manipulator(actuator(8, X), actuator(4, X))
+    scene = {
+        "gravity": [0, 0, 0],
+        "manipulators": [{"name": "a", "definition": planar, "initial_angles": 0.1}],
+        "record": {"columns": ["bending_angles", "tip_orientation", "joint_angles"]},
+    }
+    plan = make_plan(scene_from_text(json.dumps(scene)))
+    names = columns.header(plan.recorded)
+    start = dict(zip(names, rows_of(plan, 1)[0], strict=True))
+    assert start["a.actuator_0_axis_0.bend_rad"] == pytest.approx(0.8)
+    assert start["a.actuator_1_axis_0.bend_rad"] == pytest.approx(0.4)
+    assert start["a.tip_orientation.qx"] == pytest.approx(math.sin(0.6))
+    assert start["a.tip_orientation.qw"] == pytest.approx(math.cos(0.6))

@@ -17,7 +17,10 @@ from tests.builders.runs import rows_of
 from tests.builders.scenes import scene_from_file, scene_from_text
 
 REFUSED = {
-    "base_pose": ["tip_position", "base_pose", "link_positions", "link_orientations", "energy"],
+    "base_pose": [
+        *("tip_position", "tip_velocity", "tip_orientation", "base_pose"),
+        *("link_positions", "link_orientations", "energy"),
+    ],
     "touches": ["contact_force", "contact_pairs", "link_contact_forces"],
 }
 
