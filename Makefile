@@ -91,6 +91,7 @@ golden: sync ## write the golden URDFs and messages anew: the diff is the review
 bench: sync ## measure speed, start-up, error against run time, stability, physics
 	$(RUN) tests.bench.stepping
 	$(RUN) tests.bench.parts
+	$(RUN) tests.bench.loads
 	$(RUN) tests.bench.engine
 	$(RUN) tests.bench.recording
 	$(RUN) tests.bench.rendering

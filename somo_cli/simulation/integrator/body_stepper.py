@@ -85,8 +85,7 @@ class BodyStepper:
         actuation = self.actuation
         actuation.set_torques(time)
         if actuation.loads is not None:
-            load = actuation.loads.force(time, self.law.angles)
-            self.base.add_load(load, actuation.torques, self.law)
+            self.base.add_loads(actuation.loads, time, actuation.torques, self.law)
         self.base.actuate(time)
 
     def rates_of_instant(self) -> Array:

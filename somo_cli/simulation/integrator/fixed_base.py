@@ -17,6 +17,7 @@ from somo_cli.arrays import Array
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
+from somo_cli.simulation.dynamics.external_loads import ExternalLoads
 from somo_cli.simulation.engine.interface import WorldBody
 from somo_cli.simulation.integrator.energy_bound import BodyEnergy
 from somo_cli.simulation.integrator.implicit_law import SpringDamperLaw
@@ -53,9 +54,11 @@ class FixedBase:
         """Return the time [s] up to which the base moves as it does at `time`."""
         return math.inf
 
-    def add_load(self, load: Array, actuation: Array, law: SpringDamperLaw) -> None:
-        """Add loads to the actuation of the law: a generalised force, shape (6 + n,)."""
-        np.add(actuation, load[6:], law.actuation)
+    def add_loads(
+        self, loads: ExternalLoads, time: float, actuation: Array, law: SpringDamperLaw
+    ) -> None:
+        """Add loads at a time [s] to the actuation of the law."""
+        np.add(actuation, loads.joint_torques(time, law.angles), law.actuation)
 
     def load_power(self, rates: Array) -> float:
         """Return the power of the loads on base and joints in the last step."""

@@ -11,6 +11,7 @@ from somo_cli.manipulator import geometry
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
+from somo_cli.simulation.dynamics.external_loads import ExternalLoads
 from somo_cli.simulation.engine.interface import WorldBody
 from somo_cli.simulation.integrator.energy_bound import BodyEnergy
 from somo_cli.simulation.integrator.fixed_base import BaseVelocity, FixedBase
@@ -65,9 +66,11 @@ class FloatingBase(FixedBase):
 
         return read_state
 
-    def add_load(self, load: Array, actuation: Array, law: SpringDamperLaw) -> None:
+    def add_loads(
+        self, loads: ExternalLoads, time: float, actuation: Array, law: SpringDamperLaw
+    ) -> None:
         """Add what the joints feel of loads to the actuation of the law; keep the rest."""
-        self._load = load
+        load = self._load = loads.force(time, law.angles)
         own = self.world_body.to_base_axes(load)
         joint_torques = self.world_body.equivalent_joint_torques(own)
         np.add(actuation, joint_torques, law.actuation)

@@ -13,12 +13,16 @@ import pytest
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.kinematics import Pose
 from somo_cli.scene.model import ExternalLoad, Frame, Scene
+from somo_cli.scene.signals import piecewise_signal
 from somo_cli.simulation.dynamics.chain_dynamics import ChainDynamics
 from somo_cli.simulation.dynamics.external_loads import ExternalLoads
 from somo_cli.simulation.plan.build import make_plan
+from somo_cli.simulation.plan.model import PlannedLoad
+from tests.builders.definitions import actuator, chain_of, hinge, manipulator
 from tests.builders.pendulum import PENDULUM_INERTIA, pendulum_angle, pendulum_scene
 from tests.builders.runs import rows_of
-from tests.builders.scenes import scene_from_file
+from tests.builders.scenes import scene_from_file, scene_from_text
+from tests.builders.shipped import shipped_chain
 
 BASE = Pose.of((0.1, 0.2, 0.3), (0.3, -0.4, 1.2))
 ANGLES = np.linspace(-0.3, 0.4, 10)
@@ -203,3 +207,69 @@ def test_explicit_is_its_recursion_under_a_load() -> None:
         torque = 20 * math.cos(angle) - 50 * (angle - 0.3) - 0.5 * rate
         rate += 1e-3 * torque / PENDULUM_INERTIA
         angle += 1e-3 * rate
+
+
+AXES = {
+    "one axis": "cantilever",
+    "two axes, off the centreline": "finger",
+    "turned limbs": "hand",
+    "limbs at a right angle": "starfish",
+}
+
+
+@pytest.mark.parametrize("name", AXES.values(), ids=AXES)
+@pytest.mark.parametrize("is_held", [True, False])
+def test_joint_torques_are_those_of_the_generalised_force(name: str, is_held: bool) -> None:
+    random = np.random.default_rng(3)
+    chain = shipped_chain(name)
+    lines = []
+    for number in range(6):
+        link = chain.links[random.integers(1, len(chain.links))].name
+        force, moment, point = (random.normal(size=3).round(3).tolist() for _ in range(3))
+        frame = ("world", "body")[number % 2]
+        lines.append(
+            f"{{link: {link}, frame: {frame}, force: {force}, moment: {moment}, point: {point}, "
+            "waypoints: [[0, 1], [1, 0.5], [2, 0]]}"
+        )
+    # the first alone as well: then its force need not be carried inwards
+    for loads in (lines[:1], lines[1:2], lines):
+        check_joint_torques(name, ", ".join(loads), is_held, random)
+
+
+def check_joint_torques(name: str, loads: str, is_held: bool, random: np.random.Generator) -> None:
+    scene = scene_from_text(
+        f"manipulators: [{{definition: {name}.yaml, rpy: [0.3, -0.8, 1.2], loads: [{loads}]}}]"
+    )
+    (body,) = make_plan(scene).bodies
+    base = body.start.pose
+    if not is_held:  # led by a motion: its pose is asked for in every step
+        body = dataclasses.replace(body, base="constrained")
+    acting_loads = ExternalLoads(body, lambda: base)
+    for time in (0.0, 0.7, 1.5, 3.0):
+        base = body.start.pose if is_held else Pose.of((0, 0, 0), tuple(random.normal(size=3)))
+        angles = random.uniform(-1, 1, len(body.chain.joints))
+        expected = acting_loads.force(time, angles)[6:]
+        found = acting_loads.joint_torques(time, angles)
+        np.testing.assert_allclose(found, expected, atol=1e-13 * max(1.0, np.abs(expected).max()))
+
+
+def test_joint_torques_about_oblique_axes() -> None:
+    chain = chain_of(manipulator(actuator(5, hinge(0.7, 0.5, -0.2), hinge(-0.3, 0.9, 0.1))))
+    (body,) = make_plan(scene_from_text("manipulators: [{definition: finger.yaml}]")).bodies
+    signal = piecewise_signal(((0.0, 1.0),), "linear", False)
+    load = PlannedLoad(4, (0.01, 0.02, 0.03), (1, 2, 3), (4, 5, 6), "world", signal)
+    body = dataclasses.replace(body, chain=chain, loads=(load,))
+    loads = ExternalLoads(body, lambda: body.start.pose)
+    angles = np.linspace(-0.9, 1.1, 5)
+    np.testing.assert_allclose(
+        loads.joint_torques(0, angles), loads.force(0, angles)[6:], atol=1e-13
+    )
+    assert loads.joint_torques(0, angles)[4] == 0  # beyond the load
+
+
+def test_infinite_angles_give_no_torques_for_the_monitor_to_find() -> None:
+    (body,) = make_plan(cantilever({"force": [1, 0, 0]})).bodies
+    loads = ExternalLoads(body, lambda: body.start.pose)
+    for value in (math.inf, math.nan):
+        assert np.isnan(loads.joint_torques(0, np.full(10, value))).any()
+    assert np.isfinite(loads.joint_torques(0, ANGLES)).all()
