@@ -19,7 +19,7 @@ ifneq ($(PYTHON),$(shell cat $(READY) 2>/dev/null))
 endif
 endif
 
-.PHONY: all help sync demo test test-fast test-all check format map golden bench truth contact grasp sliding free-bodies objects predict trust faults fuzz signals extreme studies build clean
+.PHONY: all film help sync demo test test-fast test-all check format map golden bench truth contact grasp sliding free-bodies objects predict trust faults fuzz signals extreme studies build clean
 .DELETE_ON_ERROR:
 
 all: help
@@ -141,6 +141,10 @@ objects: sync ## load the objects that come with PyBullet, and compare with its 
 
 studies: sync ## run the studies of the manual at full length (minutes)
 	$(RUN) tests.studies
+
+film: sync ## draw the film of the README
+	$(VENV)/bin/somo render definitions/in_hand_scene.yaml --duration 6 --every 0.12 --speed 2 --size 400x300 \
+	  -o tests/studies/pictures/in_hand_film.gif
 
 build: sync ## make sdist and wheel in dist/, and use the wheel in an empty environment
 	rm -rf dist
