@@ -37,6 +37,7 @@ from somo_cli.cli.simulated_time import (
 if TYPE_CHECKING:
     from somo_cli.analysis.tolerances import Tolerances
     from somo_cli.loading import Auto
+    from somo_cli.scene.model import Scene
 
 
 @app.command(
@@ -177,6 +178,7 @@ def run(
     from somo_cli.simulation import plan_report
 
     prepared = runs.prepare(document, planned, warnings, keeps_unused)
+    _warn_if_nothing_moves(planned)
     if explains:
         terminal.print_lines(map(str, plan_report.explain(prepared.plan)))
     is_known = True
@@ -193,6 +195,14 @@ def run(
         summary = simulate_once(prepared, count, targets, sets or [], with_error, quiet, budget)
     if not is_known or (is_strict and summary.findings):
         raise typer.Exit(1)
+
+
+def _warn_if_nothing_moves(scene: "Scene") -> None:
+    from somo_cli.simulation.stillness import HINT, why_nothing_moves
+
+    why = why_nothing_moves(scene)
+    if why is not None:
+        terminal.print_lines([f"somo: warning: {why}", f"  hint: {HINT}"])
 
 
 def _tolerances(texts: Sequence[str], names: Sequence[str]) -> "Tolerances":
