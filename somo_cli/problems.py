@@ -14,6 +14,9 @@ Pointer: TypeAlias = tuple[str | int, ...]
 LINE_BREAK = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
 """A line break of YAML, and so of a Span."""
 
+_UNIT = "[munk]?m|[mu]?s|min|rad|deg|[mk]?n|n?nm|[mk]?n_mm?|[kmh]?pa|m?bar|psi|[mk]?g|[mk]?j|hz"
+_UNIT_SUFFIX = re.compile(rf"_((?:(?:{_UNIT})_)?per_(?:{_UNIT})|{_UNIT})$")
+
 MAX_NUMBER = 1e20
 """The largest number of any file, in any unit: powers of larger ones leave the range of floats."""
 MAX_TEXT_BYTES = 1_000_000
@@ -84,9 +87,28 @@ def did_you_mean(name: object, known: Iterable[str], likeness: float = 0.6) -> s
 
 
 def closest_name(name: object, known: Iterable[str], likeness: float = 0.6) -> str:
-    """Return the known name most similar to `name`; empty without one, or if `name` is no text."""
-    close = get_close_matches(name, known, 1, likeness) if isinstance(name, str) else []
+    """Return the known name most similar to `name`; empty without one, or if `name` is no text.
+
+    A name that ends with another unit is not similar.
+    """
+    if not isinstance(name, str):
+        return ""
+    close = get_close_matches(name, with_unit_of(name, known), 1, likeness)
     return close[0] if close else ""
+
+
+def with_unit_of(name: str, known: Iterable[str]) -> list[str]:
+    """Return the known names, without those that end with another unit than `name`.
+
+    A name with force_mn in place of force_n is not misspelled: its numbers mean something else.
+    """
+    unit = _unit_suffix(name)
+    return [one for one in known if unit is None or _unit_suffix(one) in (None, unit)]
+
+
+def _unit_suffix(name: str) -> str | None:
+    found = _UNIT_SUFFIX.search(name)
+    return None if found is None else found[1]
 
 
 def in_reading_order(

@@ -2,7 +2,16 @@ from __future__ import annotations
 
 import pickle
 
-from somo_cli.problems import InvalidFile, Problem, SimulationDiverged, Span, in_reading_order
+import pytest
+
+from somo_cli.problems import (
+    InvalidFile,
+    Problem,
+    SimulationDiverged,
+    Span,
+    did_you_mean,
+    in_reading_order,
+)
 
 
 def at(source: str, line: int, column: int = 1, message: str = "bad") -> Problem:
@@ -42,3 +51,20 @@ def test_errors_travel_between_processes() -> None:
         SimulationDiverged(3, 0.003, "arm.joint", "too fast", "go slow"),
     ):
         assert str(pickle.loads(pickle.dumps(error))) == str(error)
+
+
+@pytest.mark.parametrize(
+    ("name", "known", "hint"),
+    [
+        ("force_n", ["force_mn", "time_s"], ""),
+        ("force_n", ["forse_n", "force_mn"], "did you mean 'forse_n'?"),
+        ("pressure_pa", ["pressure_kpa"], ""),
+        ("ball.velocity.x_m_per_s", ["ball.velocity.x_rad_per_s"], ""),
+        ("a.velocty.x_m_per_s", ["a.velocity.x_m_per_s"], "did you mean 'a.velocity.x_m_per_s'?"),
+        ("pose.z_m", ["pose.qz", "poze.z_m"], "did you mean 'poze.z_m'?"),
+        ("torque_per_presure", ["torque_per_pressure"], "did you mean 'torque_per_pressure'?"),
+        ("tip_positon", ["tip_position"], "did you mean 'tip_position'?"),
+    ],
+)  # fmt: skip
+def test_no_hint_proposes_another_unit(name: str, known: list[str], hint: str) -> None:
+    assert did_you_mean(name, known) == hint

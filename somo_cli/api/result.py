@@ -10,6 +10,7 @@ from typing import Any
 
 from somo_cli import output_files
 from somo_cli.arrays import Array
+from somo_cli.problems import with_unit_of
 from somo_cli.simulation.recording.csv_writer import CsvWriter
 
 
@@ -35,7 +36,7 @@ class Result:
         if name not in self.names:
             from difflib import get_close_matches
 
-            close = get_close_matches(name, self.names, 3)
+            close = get_close_matches(name, with_unit_of(name, self.names), 3)
             hint = f"; did you mean {' or '.join(close)}?" if close else ""
             raise KeyError(f"no column is called {name!r}{hint}")
         return self.values[:, self.names.index(name)]

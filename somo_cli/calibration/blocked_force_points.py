@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from somo_cli.analysis.text_table import table_lines
+from somo_cli.analysis.text_table import table_lines, without_rounding
 from somo_cli.calibration.blocked_force import blocked_equilibrium
 from somo_cli.calibration.moment_arms import MomentArms
 from somo_cli.calibration.report import described, with_error
@@ -91,10 +91,11 @@ def lines(
     rule_note = "" if rule == "exact" else ", by SoMo's rule"
     slope = with_error(fit.per_pressure, fit.per_pressure_error, "N·m/Pa")
     yield f"torque per pressure{rule_note}: {slope}"
-    if fit.offset:
+    size = _size(known)
+    if without_rounding(fit.offset, size):
         yield f"torque without pressure: {with_error(fit.offset, fit.offset_error, 'N·m')}"
     if len(known) > 1:
-        yield f"residual, root mean square: {fit.residual:.2g} N·m"
+        yield f"residual, root mean square: {without_rounding(fit.residual, size):.2g} N·m"
 
 
 def _rows(known: Sequence[BlockedForcePoint], fit: TorqueLine | None) -> Iterator[list[str]]:
@@ -104,14 +105,20 @@ def _rows(known: Sequence[BlockedForcePoint], fit: TorqueLine | None) -> Iterato
         "force [N]", "torque [N·m]", "small angles", "SoMo's F L", "largest angle [rad]",
         *(["residual [N·m]"] if has_residuals else []),
     ]  # fmt: skip
+    size = _size(known)
     for number, one in enumerate(known):
         row = [] if one.pressure is None else [f"{one.pressure:g}"]
         torques = (one.torque("exact"), one.small, one.somo)
         row += [f"{one.force:g}", *(f"{torque:.6g}" for torque in torques)]
         row.append("-" if one.largest_angle is None else f"{one.largest_angle:.3g}")
         if has_residuals and fit is not None:
-            row.append(f"{fit.residuals[number]:.2g}")
+            row.append(f"{without_rounding(fit.residuals[number], size):.2g}")
         yield row
+
+
+def _size(known: Sequence[BlockedForcePoint]) -> float:
+    """Return the largest torque [N·m], whose rounding is not a residual."""
+    return max(abs(one.torque("exact")) for one in known)
 
 
 def plain_data(
