@@ -17,6 +17,7 @@ The rooms of the code, each of which knows only those before it (`make map` draw
 - `packages`: folders that `package://` paths name.
 - `signals`: what a signal raises, and that nothing drops it.
 - `budget`: the time and memory that a command may use.
+- `terminal_text`: text of files, as a terminal can show it.
 - `terminal`: everything that is printed on standard error.
 - `document/`: a file as it was written, each value with its line and column.
 - `manipulator/`: what a definition means, its chain of links, its URDF.

@@ -3,26 +3,21 @@
 from __future__ import annotations
 
 import os
-import re
 import sys
 import time
-import unicodedata
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 
 from somo_cli import signals
 from somo_cli.budget import Budget
 from somo_cli.problems import LINE_BREAK, Problem
+from somo_cli.terminal_text import escaped, excerpt
 
-_MAX_COLUMNS = 100  # columns of a source line
-_MAX_CHARACTERS = 2000  # characters of a message
 _MAX_PROBLEMS = 500  # problems
 _PAGE_WIDTH = 100  # columns of a page of the manual
 _STYLES = {"error": "bold red", "warning": "bold yellow", "info": "bold blue"}
 _REDRAW_INTERVAL = 0.1  # between two drawings of the progress bar [s]
-
-# GitHub's log viewer would run such lines as commands, blanks in front or not
-_COMMAND = re.compile(r"^\s*(?P<double>:)(?=:)|(?P<hash>#)(?=#\[)")
+_LINE_INTERVAL = 10.0  # between two lines about progress, where there is no bar [s]
 
 
 def print_problems(problems: Iterable[Problem], texts: Mapping[str, str]) -> None:
@@ -42,12 +37,12 @@ def print_problems(problems: Iterable[Problem], texts: Mapping[str, str]) -> Non
 
 def print_message(message: str) -> None:
     """Write one line to standard error."""
-    _write([("", _escaped(message))])
+    _write([("", escaped(message))])
 
 
 def print_lines(lines: Iterable[str]) -> None:
     """Write lines to standard error."""
-    _write([("", _escaped(line)) for line in lines])
+    _write([("", escaped(line)) for line in lines])
 
 
 def show_page(markdown: str) -> None:
@@ -71,11 +66,16 @@ def has_bar() -> bool:
 
 @contextmanager
 def progress(
-    total: int, description: str, budget: Budget | None = None
+    total: int,
+    description: str,
+    budget: Budget | None = None,
+    remark: Callable[[], str] = str,
 ) -> Iterator[Callable[[int], None]]:
-    """Show a progress bar on a terminal; yield the function that takes the number done so far.
+    """Show progress; yield the function that takes the number done so far.
 
-    It also raises BudgetSpent, and again the exception of a signal that something has dropped.
+    On a terminal it is a bar, elsewhere a line every ten seconds on standard error, which ends with
+    the time that remains; `remark` returns what such a line says besides. The function also raises
+    BudgetSpent, and again the exception of a signal that something has dropped.
     """
     guard = signals.guard_in_force()
 
@@ -86,7 +86,13 @@ def progress(
             budget.check(f"{description}: {done} of {total} done")
 
     if not has_bar():
-        yield end_if_due
+        lines = _ProgressLines(total, description, remark)
+
+        def report(done: int) -> None:
+            end_if_due(done)
+            lines.report_if_due(done)
+
+        yield report
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
@@ -102,7 +108,7 @@ def progress(
         redirect_stderr=False,
     )
     with bar:
-        task = bar.add_task(_escaped(description), total=total)
+        task = bar.add_task(escaped(description), total=total)
         drawn = -_REDRAW_INTERVAL
 
         def advance(done: int) -> None:
@@ -117,86 +123,52 @@ def progress(
         yield advance
 
 
+class _ProgressLines:
+    """Writes a line about progress when ten seconds have passed since the last one."""
+
+    def __init__(self, total: int, description: str, remark: Callable[[], str]) -> None:
+        self._total = total
+        self._description = description
+        self._remark = remark
+        self._start = time.monotonic()
+        self._last = self._start
+
+    def report_if_due(self, done: int) -> None:
+        """Write a line if one is due and the work is not done."""
+        now = time.monotonic()
+        if now - self._last < _LINE_INTERVAL or not 0 < done < self._total:
+            return
+        self._last = now
+        remaining = (now - self._start) / done * (self._total - done)
+        print_message(
+            f"{self._description}: {done} of {self._total}{self._remark()}, "
+            f"{remaining:.0f} s remain"
+        )
+
+
 def _report(problem: Problem, source: Sequence[str]) -> list[tuple[str, str]]:
     style = _STYLES[problem.severity]
-    lines = [(style, _escaped(str(problem)))]
+    lines = [(style, escaped(str(problem)))]
     span = problem.span
     written = source[span.line - 1] if 0 < span.line <= len(source) else ""
     if written.strip():
-        line, carets = _excerpt(written, min(span.column - 1, len(written)), span.width)
+        line, carets = excerpt(written, min(span.column - 1, len(written)), span.width)
         lines += [("", "    " + line), (style, "    " + carets)]
     if problem.hint:
-        lines.append(("cyan", "  hint: " + _escaped(problem.hint)))
+        lines.append(("cyan", "  hint: " + escaped(problem.hint)))
     return lines
-
-
-def _excerpt(line: str, column: int, width: int) -> tuple[str, str]:
-    """Return the part of a line around a column, and the carets under it.
-
-    A line may be a megabyte long, so it is cut roughly before its width is measured.
-    """
-    start = max(0, column - _MAX_COLUMNS)
-    cells = _cells(line[start : column + _MAX_COLUMNS + 1])
-    widths = [_width(cell) for cell in cells]
-    column -= start
-    first = 0 if start else min(len(line) - len(line.lstrip()), column)
-    last = len(cells)
-    before = after = ""
-    if start or sum(widths[first:]) > _MAX_COLUMNS:
-        room = _MAX_COLUMNS - len("...  ...")
-        indent, first = first, max(first, _first_that_fits(widths, column, room // 2))
-        last = _last_that_fits(widths, first, room)
-        before = "... " if start or first > indent else ""
-        after = " ..." if last < len(cells) or len(cells) < len(line) - start else ""
-    shown = "".join(cells[first:last]).rstrip()
-    carets = "^" * max(1, sum(widths[column : min(column + width, last)]))
-    return before + shown + after, " " * (len(before) + sum(widths[first:column])) + carets
-
-
-def _first_that_fits(widths: list[int], column: int, room: int) -> int:
-    while column > 0 and room >= widths[column - 1]:
-        column -= 1
-        room -= widths[column]
-    return column
-
-
-def _last_that_fits(widths: list[int], first: int, room: int) -> int:
-    while first < len(widths) and room >= widths[first]:
-        room -= widths[first]
-        first += 1
-    return first
-
-
-def _escaped(text: str) -> str:
-    return "".join(
-        _cells(text if len(text) <= _MAX_CHARACTERS else text[:_MAX_CHARACTERS] + " ...")
-    )
-
-
-def _cells(line: str) -> list[str]:
-    """Return what is shown for each character of a line."""
-    cells = [" " if c == "\t" else c if c.isprintable() else _escape(c) for c in line]
-    for match in _COMMAND.finditer(line):
-        index = match.start(match.lastgroup or 0)
-        cells[index] = f"\\x{ord(line[index]):02x}"
-    return cells
-
-
-def _escape(character: str) -> str:
-    return character.encode("unicode_escape").decode("ascii")
-
-
-def _width(cell: str) -> int:
-    """Return the width of a cell in columns of a terminal."""
-    if len(cell) > 1:
-        return len(cell)
-    if unicodedata.combining(cell):
-        return 0
-    return 2 if unicodedata.east_asian_width(cell) in "WF" else 1
 
 
 def _is_terminal() -> bool:
     return sys.stderr is not None and not sys.stderr.closed and sys.stderr.isatty()
+
+
+def _is_coloured() -> bool:
+    """Return whether messages have colour: NO_COLOR, then FORCE_COLOR say it."""
+    if os.environ.get("NO_COLOR"):
+        return False
+    is_forced = os.environ.get("FORCE_COLOR", "0") not in ("", "0")
+    return is_forced or (_is_terminal() and os.environ.get("TERM") != "dumb")
 
 
 def _is_colourless() -> bool:
@@ -208,7 +180,7 @@ def _write(lines: Iterable[tuple[str, str]]) -> None:
     if sys.stderr is None or sys.stderr.closed:
         return
     with suppress(OSError):
-        if _is_terminal() and not _is_colourless():
+        if _is_coloured():
             _write_coloured(lines)
         else:
             sys.stderr.write("".join(line + "\n" for _, line in lines))
@@ -219,6 +191,7 @@ def _write_coloured(lines: Iterable[tuple[str, str]]) -> None:
     from rich.console import Console
     from rich.text import Text
 
-    console = Console(stderr=True, highlight=False)
+    # also in a pipe, where FORCE_COLOR asks for it
+    console = Console(stderr=True, highlight=False, force_terminal=True)
     for style, line in lines:
         console.print(Text(line, style=style), soft_wrap=True)

@@ -48,7 +48,7 @@ def test_keeping_everything_changes_no_byte(somo: Somo, here: Path, scene: str) 
 
 @pytest.mark.moderate
 def test_what_is_kept_on_request_is_reported_as_kept(somo: Somo, here: Path) -> None:
-    command = ("run", "scene.yaml", "--steps", "1", "--explain", "--keep-everything", "-q")
+    command = ("run", "scene.yaml", "--steps", "1", "--verbose", "--keep-everything", "-q")
     ended = somo(*command, cwd=here)
     assert "kept      motor rows of joints: asked for, though no dry friction\n" in ended.stderr
     reported = json.loads((here / "scene.meta.json").read_text("utf-8"))["plan"]

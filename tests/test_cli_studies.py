@@ -39,6 +39,9 @@ def test_a_report_is_a_table_a_sentence_and_four_files(somo: Somo, tmp_path: Pat
     about = json.loads((folder / "report.json").read_text("utf-8"))
     assert about["choice"] == lines[-1]
     assert set(about["inputs"]) == {str(SCENE), str(DEFINITIONS / "finger.yaml")}
+    again = somo("report", SCENE, *QUICK, "-o", "out", "--json", "-q")
+    assert (again.returncode, again.stderr) == (0, "")
+    assert again.stdout == (folder / "report.json").read_text("utf-8")
     assert (folder / "report.png").read_bytes().startswith(PNG)
     assert b"<svg" in (folder / "report.svg").read_bytes()
 

@@ -28,7 +28,16 @@ TYPER = {"typer"}
 CHECKING = TYPER | {"jsonschema", "referencing", "yaml", "xml"}
 RUNNING = CHECKING | {"numpy", "pybullet"}
 
-DOOR = {"budget", "cli", "files", "output_files", "problems", "signals", "terminal"}
+DOOR = {
+    "budget",
+    "cli",
+    "files",
+    "output_files",
+    "problems",
+    "signals",
+    "terminal",
+    "terminal_text",
+}
 LOADING = DOOR | {
     "document",
     "document_kinds",

@@ -9,6 +9,7 @@ import time
 
 import pytest
 
+from somo_cli import terminal
 from somo_cli.problems import Problem, Span
 from somo_cli.terminal import print_message, print_problems, progress
 
@@ -172,7 +173,7 @@ PLAIN = (
 )
 
 
-@pytest.mark.parametrize("variable", ["FORCE_COLOR", "GITHUB_ACTIONS", "CI", "CLICOLOR_FORCE"])
+@pytest.mark.parametrize("variable", ["NO_COLOR", "GITHUB_ACTIONS", "CI", "CLICOLOR_FORCE"])
 def test_in_a_pipe_the_bytes_are_plain(variable: str) -> None:
     result = subprocess.run(
         [sys.executable, "-c", CODE],
@@ -229,3 +230,36 @@ def test_no_color_is_respected() -> None:
 
 def test_a_dumb_terminal_gets_plain_lines() -> None:
     assert on_a_terminal(TERM="dumb") == ("False\n", PLAIN)
+
+
+def in_a_pipe(**environment: str) -> str:
+    known = {k: v for k, v in os.environ.items() if k not in ("NO_COLOR", "FORCE_COLOR")}
+    command = [sys.executable, "-c", CODE]
+    return subprocess.run(
+        command, capture_output=True, text=True, check=True, env={**known, **environment}
+    ).stderr
+
+
+def test_colour_can_be_forced_in_a_pipe_without_a_bar() -> None:
+    err = in_a_pipe(FORCE_COLOR="1", TERM="xterm-256color")
+    assert "\x1b[1;31mf:1:4: error: bad " in err
+    assert "running" not in err
+    assert in_a_pipe(FORCE_COLOR="1", NO_COLOR="1") == in_a_pipe(FORCE_COLOR="0") == PLAIN
+
+
+def test_in_a_pipe_progress_is_a_line_every_ten_seconds(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    now = 100.0
+    monkeypatch.setattr(terminal.time, "monotonic", lambda: now)
+    with progress(100, "drawing", remark=lambda: ", 2 failed") as advance:
+        for done, seconds in enumerate([0, 5, 9, 11, 20, 21, 30, 40], start=1):
+            now = 100.0 + seconds
+            advance(done)
+        now = 200.0
+        advance(100)  # the end needs no line
+    assert capsys.readouterr().err == (
+        "drawing: 4 of 100, 2 failed, 264 s remain\n"
+        "drawing: 6 of 100, 2 failed, 329 s remain\n"
+        "drawing: 8 of 100, 2 failed, 460 s remain\n"
+    )

@@ -80,7 +80,9 @@ MemoryOption = Annotated[
         help="End with 6 when it has had more in memory. [default: no bound]",
     ),
 ]
-QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="Print no summary.")]
+QuietOption = Annotated[
+    bool, typer.Option("--quiet", "-q", help="Print no summary; warnings stay.")
+]
 
 
 def examples_of(*lines: str) -> str:

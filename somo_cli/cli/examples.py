@@ -8,6 +8,7 @@ import typer
 
 from somo_cli import files, terminal
 from somo_cli.cli.application import (
+    QuietOption,
     app,
     examples_of,
     report_errors,
@@ -21,6 +22,7 @@ from somo_cli.cli.application import (
 @report_errors
 def examples(
     folder: Annotated[str, typer.Argument(help="The folder to create.")] = "somo-examples",
+    quiet: QuietOption = False,
 ) -> None:
     """Copy the shipped definitions, scenes and schemas into a new folder.
 
@@ -28,7 +30,8 @@ def examples(
     """
     for path in files.copy_examples(folder):
         typer.echo(path)
-    terminal.print_lines(["next:", *(f"  {line}" for line in _next_commands(folder))])
+    if not quiet:
+        terminal.print_lines(["next:", *(f"  {line}" for line in _next_commands(folder))])
 
 
 def _next_commands(folder: str) -> list[str]:

@@ -9,6 +9,7 @@ import typer
 
 from somo_cli import output_files, terminal
 from somo_cli.cli.application import (
+    QuietOption,
     app,
     examples_of,
     report_errors,
@@ -66,6 +67,7 @@ def new(
     is_forced: Annotated[
         bool, typer.Option("--force", help="Replace files that are there already.")
     ] = False,
+    quiet: QuietOption = False,
 ) -> None:
     """Write a small, commented start that passes every check and runs."""
     require(kind in KINDS, "KIND", f"{kind!r} is not one of {', '.join(KINDS)}")
@@ -95,7 +97,8 @@ def new(
         output_files.write_atomically(path, text)
         typer.echo(path)
     last = list(written)[-1]
-    terminal.print_message(f"next: {_next(kind, last)}")
+    if not quiet:
+        terminal.print_message(f"next: {_next(kind, last)}")
 
 
 def _files(

@@ -2,7 +2,7 @@
 
 import json
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -26,17 +26,22 @@ from somo_cli.cli.application import (
     require,
     require_few_steps,
 )
+from somo_cli.cli.report_options import (
+    INTEGRATORS,
+    counts_of,
+    instants_of,
+    integrators_of,
+    time_steps_of,
+)
 from somo_cli.cli.simulated_time import check_time_options
 from somo_cli.problems import ExtraMissing, InvalidFile, Problem
 
 if TYPE_CHECKING:
-    from somo_cli.analysis.common_instants import Instants
     from somo_cli.analysis.study_model import Study, StudySettings
     from somo_cli.document.parse import Document
-    from somo_cli.scene.model import Integrator, Scene
+    from somo_cli.scene.model import Scene
 
 DEFAULT_DURATION = 1.0  # s
-INTEGRATORS = ("implicit", "euler", "explicit")
 
 
 @app.command(
@@ -104,6 +109,10 @@ def report(
     allow_outside: OutsideOption = False,
     package: PackageOption = None,
     quiet: QuietOption = False,
+    as_json: Annotated[
+        bool,
+        typer.Option("--json", help="Print report.json on standard output, not the tables."),
+    ] = False,
 ) -> None:
     """Measure error against run time, over time steps, integrators and numbers of segments.
 
@@ -114,8 +123,7 @@ def report(
     is then recommended. Run times are those of the stepping loop alone.
     """
     from somo_cli import document_kinds, loading
-    from somo_cli.analysis import closed_form_references, study_export, study_report
-    from somo_cli.analysis.recorded_report import recorded_table
+    from somo_cli.analysis import closed_form_references, study_export
     from somo_cli.analysis.study import total_steps
     from somo_cli.analysis.study_model import StudySettings
     from somo_cli.simulation.metadata import provenance
@@ -131,12 +139,12 @@ def report(
     )
     loading.refuse_overlaps(document, planned)
     simulated = duration if duration is not None else planned.duration or DEFAULT_DURATION
-    steps = _steps(time_steps, planned.time_step)
+    steps = time_steps_of(time_steps, planned.time_step)
     settings = StudySettings(
         steps,
-        _integrators(integrators),
-        _counts(segments),
-        _instants(steps, simulated),
+        integrators_of(integrators),
+        counts_of(segments),
+        instants_of(steps, simulated),
         repeats,
     )
     require_few_steps(total_steps(settings), "--duration")
@@ -148,19 +156,25 @@ def report(
     pictures = _pictures(study, Path(scene).stem)
     folder.mkdir(parents=True, exist_ok=True)
     about = {**provenance(document.texts, sets or []), **study_export.plain_data(study, target)}
-    output_files.write_atomically(str(folder / "report.json"), json.dumps(about, indent=2) + "\n")
+    text = json.dumps(about, indent=2)
+    output_files.write_atomically(str(folder / "report.json"), text + "\n")
     output_files.write_atomically(str(folder / "report.csv"), study_export.csv_text(study))
     for kind, picture in pictures.items():
         output_files.write_atomically(str(folder / f"report.{kind}"), picture)
-    typer.echo(study_report.table(study))
-    typer.echo("")
-    if contact := recorded_table(study):
-        typer.echo(f"{contact}\n")
-    for remark in study_report.remarks(study, target):
-        typer.echo(remark)
+    typer.echo(text if as_json else "\n".join(_lines(study, target)))
     if not quiet:
         kinds = ", ".join(f"report.{kind}" for kind in ("csv", "json", *pictures))
         terminal.print_message(f"{folder}: {kinds}")
+
+
+def _lines(study: "Study", target: float) -> Iterator[str]:
+    from somo_cli.analysis import study_report
+    from somo_cli.analysis.recorded_report import recorded_table
+
+    yield f"{study_report.table(study)}\n"
+    if contact := recorded_table(study):
+        yield f"{contact}\n"
+    yield from study_report.remarks(study, target)
 
 
 @contextmanager
@@ -176,55 +190,6 @@ def _reference_of(document: "Document") -> Iterator[None]:
         hint = "leave reference out to measure errors against vanishing time steps"
         place = document.span(("reference",))
         raise InvalidFile([Problem(place, message, hint)], document.texts) from error
-
-
-def _steps(text: str | None, own: float) -> tuple[float, ...]:
-    from fractions import Fraction
-
-    from somo_cli.analysis import common_instants
-
-    if text is None:
-        factors = (Fraction(4), Fraction(2), Fraction(1), Fraction(1, 2), Fraction(1, 4))
-        return common_instants.scaled_steps(own, factors)
-    try:
-        steps = tuple(dict.fromkeys(float(part) for part in text.split(",")))
-    except ValueError:
-        raise typer.BadParameter(
-            f"{text!r} is not a list of numbers, such as 0.001,0.002", param_hint="'--time-steps'"
-        ) from None
-    for step in steps:
-        require(0 < step <= 1, "--time-steps", f"{step} is not greater than 0 and at most 1")
-    return steps
-
-
-def _integrators(text: str) -> tuple["Integrator", ...]:
-    found: list[Integrator] = []
-    for name in dict.fromkeys(text.split(",")):
-        require(
-            name in INTEGRATORS, "--integrators", f"{name!r} is not one of {', '.join(INTEGRATORS)}"
-        )
-        found.append(name)  # type: ignore[arg-type]
-    return tuple(found)
-
-
-def _counts(text: str | None) -> tuple[int | None, ...]:
-    if text is None:
-        return (None,)
-    parts = text.split(",")
-    for part in parts:
-        is_count = part.isascii() and part.isdigit() and 0 < int(part) <= 121
-        require(is_count, "--segments", f"{part!r} is not a number of segments, 1 to 121")
-    return tuple(sorted({int(part) for part in parts}))
-
-
-def _instants(steps: Sequence[float], duration: float) -> "Instants":
-    from somo_cli.analysis import common_instants
-
-    try:
-        return common_instants.common_instants(steps, duration)
-    except common_instants.NoCommonInstants as error:
-        hint = "choose steps that are multiples of one another, or a longer --duration"
-        raise typer.BadParameter(f"{error}; {hint}", param_hint="'--time-steps'") from error
 
 
 def _studied(scene: "Scene", settings: "StudySettings", budget: Budget) -> "Study":

@@ -125,7 +125,10 @@ def run(
     explains: Annotated[
         bool,
         typer.Option(
-            "--explain", help="Print before the run what it skips, why, and what that saves."
+            "--explain",
+            "--verbose",
+            "-v",
+            help="Print before the run what it skips, why, and what that saves.",
         ),
     ] = False,
     keeps_unused: Annotated[

@@ -1,6 +1,5 @@
 """somo sweep: run a scene for many sets of parameters, and write one table of results."""
 
-import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -26,8 +25,6 @@ from somo_cli.problems import counted
 if TYPE_CHECKING:
     from somo_cli.sweep.results import Results
     from somo_cli.sweep.sweep import LoadedStudy
-
-_SECONDS_PER_LINE = 10.0  # of progress, where there is no terminal
 
 
 @app.command(
@@ -170,22 +167,14 @@ def _shard(text: str | None) -> tuple[int, int]:
 
 @contextmanager
 def _progress(total: int, before: int) -> Iterator[Callable[["Results"], None]]:
-    """Yield what shows progress: a bar on a terminal, a line every ten seconds elsewhere."""
-    started = time.monotonic()
-    last = started
-    with terminal.progress(total, "running") as show:
+    """Yield what shows progress."""
+    failures = 0
+    with terminal.progress(total, "running", remark=lambda: f", {failures} failed") as show:
 
         def advance(results: "Results") -> None:
-            nonlocal last
-            done = len(results.outcomes) - before
-            show(done)
-            now = time.monotonic()
-            if not terminal.has_bar() and now - last >= _SECONDS_PER_LINE and done < total:
-                last = now
-                remaining = (now - started) / done * (total - done)
-                terminal.print_message(
-                    f"{done} of {total} runs, {results.failures} failed, {remaining:.0f} s remain"
-                )
+            nonlocal failures
+            failures = results.failures
+            show(len(results.outcomes) - before)
 
         yield advance
 
