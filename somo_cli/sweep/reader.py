@@ -30,11 +30,10 @@ def shape_problems(document: Document) -> tuple[Problem, ...]:
 
 def _conflicts(document: Document) -> Iterator[Problem]:
     data = cast(Mapping[str, Any], document.data)
-    if ("duration" in data) == ("steps" in data):
-        both = "duration" in data
-        place = document.span(("steps",), key=True) if both else document.span(())
-        message = "duration and steps exclude each other" if both else "there is no duration"
-        yield Problem(place, message, "give the simulated time in seconds as duration")
+    if "duration" in data and "steps" in data:
+        place = document.span(("steps",), key=True)
+        hint = "give the simulated time in seconds as duration"
+        yield Problem(place, "duration and steps exclude each other", hint)
     combine = data.get("combine", "grid")
     is_random = combine in SAMPLED
     if is_random and "count" not in data:
@@ -53,6 +52,9 @@ def read_study(document: Document, scene: Document, found: Scene, table: Table |
     """
     data = cast(Mapping[str, Any], document.data)
     problems: list[Problem] = []
+    if not {"duration", "steps"} & data.keys() and found.duration is None:
+        hint = "give the simulated time in seconds as duration, here or in the scene"
+        problems.append(Problem(document.span(()), "there is no duration", hint))
     parameters = parameter_reader.parameters(document, scene, table, problems)
     labels = label_reader.labels(document, [one.name for one in parameters], problems)
     problems += _column_problems(document, labels, found)
@@ -67,7 +69,7 @@ def read_study(document: Document, scene: Document, found: Scene, table: Table |
         sets,
         combination,
         data.get("steps"),
-        data.get("duration"),
+        data.get("duration", None if "steps" in data else found.duration),
         data.get("time_out"),
         keep,
         bool(data.get("error", False)),

@@ -129,3 +129,16 @@ def test_shipped_studies_compile(path: Path) -> None:
     runner = loaded.runner("")
     for point in (loaded.study.points[0], loaded.study.points[-1]):
         assert runner.check(point).reason == ""
+
+
+def test_a_study_lasts_as_long_as_its_scene_unless_it_says_so(study: Path) -> None:
+    rest = "parameters:\n  a: {path: time_step, values: [1e-3]}\n"
+    rest += "labels:\n  b: {of: time_s, take: last}\n"
+    scene = HEAD.splitlines()[0] + "\n" + rest
+    assert messages(study, scene) == ["1:1 there is no duration"]
+    study.write_text(scene, "utf-8")
+    access = Access(allow_outside=True)
+    assert sweep.load(str(study), ["duration=0.7"], access).study.duration == 0.7
+    study.write_text(scene + "steps: 5\n", "utf-8")
+    own = sweep.load(str(study), ["duration=0.7"], access).study
+    assert (own.steps, own.duration) == (5, None)
