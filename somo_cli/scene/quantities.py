@@ -15,8 +15,10 @@ from somo_cli.scene.model import Quantity
 from somo_cli.scene.reader import limbs_by_tip_name
 from somo_cli.scene.rigid_object import ObjectQuantity
 
-Need: TypeAlias = Literal["base_pose", "velocities", "contacts"]
-"""State that only some columns need: the base's pose, velocities at the row's time, contacts."""
+Need: TypeAlias = Literal["base_pose", "base_velocity", "velocities", "contacts"]
+"""State that only some columns need: pose and velocity of the base, velocities at the row's time,
+contacts.
+"""
 
 Owners: TypeAlias = Callable[[Chain], Sequence[str]]
 """Returns the names of the parts of a chain that have their own columns, such as its joints."""
@@ -102,6 +104,7 @@ def _prefixed(prefix: str, parts: Sequence[str]) -> tuple[str, ...]:
 
 _BASE: frozenset[Need] = frozenset({"base_pose"})
 _VELOCITIES: frozenset[Need] = frozenset({"velocities"})
+_BASE_VELOCITY: frozenset[Need] = frozenset({"base_velocity"})
 _CONTACTS: frozenset[Need] = frozenset({"contacts"})
 
 BODY_COLUMNS: dict[Quantity, Columns] = {
@@ -119,7 +122,7 @@ BODY_COLUMNS: dict[Quantity, Columns] = {
         tuple(f"{axis}_m_per_s" for axis in "xyz"),
         "m/s",
         tip_velocity_names,
-        _BASE | _VELOCITIES,
+        _BASE | _VELOCITIES | _BASE_VELOCITY,
         vector=3,
     ),
     "tip_orientation": Columns(
@@ -130,7 +133,7 @@ BODY_COLUMNS: dict[Quantity, Columns] = {
     "energy": Columns(
         _prefixed("energy", ("kinetic_j", "elastic_j", "gravity_j")),
         "J",
-        needs=_BASE | _VELOCITIES,
+        needs=_BASE | _VELOCITIES | _BASE_VELOCITY,
     ),
     "contact_force": Columns(_prefixed("contact", _TOTAL_FORCE), "N", needs=_CONTACTS),
     "contact_pairs": Columns((), "N", needs=_CONTACTS),

@@ -56,7 +56,7 @@ class BodyRowBuffer:
         needs_base_pose = "base_pose" in needs
         self._records_base_pose = can_move and needs_base_pose
         self._base = body_stepper.world_body.base_pose() if needs_base_pose else Pose()
-        self._records_base_velocity = can_move and "energy" in kinds
+        self._records_base_velocity = can_move and "base_velocity" in needs
         self.needs_velocities = "velocities" in needs
         """Whether a column needs velocities at the instant of its row."""
         self._averages_rates = self.needs_velocities and plan.integrator == "implicit"

@@ -245,3 +245,22 @@ def test_bending_angles_and_orientation_of_a_circle() -> None:
     assert start["a.actuator_1_axis_0.bend_rad"] == pytest.approx(0.4)
     assert start["a.tip_orientation.qx"] == pytest.approx(math.sin(0.6))
     assert start["a.tip_orientation.qw"] == pytest.approx(math.cos(0.6))
+
+
+def test_the_tip_of_a_free_body_moves_with_its_base_whatever_else_is_recorded() -> None:
+    """The velocity of the base was once read only where the energy is recorded as well."""
+    scene = {
+        "gravity": [0, 0, 0],
+        "time_step": 1e-5,
+        "manipulators": [
+            {
+                "name": "a",
+                "definition": manipulator(actuator(2, X)),
+                "base": "free",
+                "linear_velocity": [0.1, 0.2, -0.3],
+            }
+        ],
+        "record": {"columns": ["tip_velocity"]},
+    }
+    plan = make_plan(scene_from_text(json.dumps(scene)))
+    assert rows_of(plan, 1)[0][1:] == pytest.approx([0.1, 0.2, -0.3], abs=1e-9)
