@@ -43,8 +43,8 @@ def test_build(somo: Somo, here: Path) -> None:
     limb = "limbs[1].definition.actuator_definitions[0].n_segments=2"
     done = somo("build", here / "pair.yaml", "--verify", "--tip-frame", "tip", "--set", limb)
     assert (done.returncode, done.stdout) == (0, "")
-    said = "pair.urdf: 2 limbs, 13 links, 12 joints, 1.565 kg, 0.11 m long, world scale 20\n"
-    assert done.stderr == said
+    said = "pair.urdf: 2 limbs, 13 links, 12 joints, 1.565 kg, 0.11 m long, world scale 20: "
+    assert done.stderr == f"{said}20 times its size, for PyBullet; --scale 1 for other tools\n"
     robot = ET.parse(here / "pair.urdf").getroot()
     names = [link.get("name") for link in robot.findall("link")]
     assert names[0] == "base"
