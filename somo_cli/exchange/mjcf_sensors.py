@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from somo_cli.exchange.mjcf_bodies import tip_name
@@ -38,15 +38,28 @@ def add_sensors(root: ET.Element, recorded: Recorded) -> None:
         root.remove(section)
 
 
+_READ = {
+    "joint_angles",
+    "joint_rates",
+    "actuation",
+    "link_positions",
+    "link_orientations",
+    "base_pose",
+    "tip_position",
+    "tip_velocity",
+    "tip_orientation",
+    "bending_angles",
+    "contact_force",
+    "pose",
+    "velocity",
+}
+"""The quantities that have sensors; the energy has one where it is that of the whole model."""
+
+
 def unread_quantities(recorded: Recorded) -> list[str]:
     """Return the recorded quantities for which there is no sensor."""
-    unread = {
-        *("spring_torques", "curvatures", "bending_angles", "tip_velocity", "tip_orientation"),
-        *("contact_pairs", "link_contact_forces", "angles"),
-    }
-    asked: Sequence[str] = (*recorded.quantities, *recorded.object_quantities)
-    found = [one for one in asked if one in unread or (one == "energy" and not _is_alone(recorded))]
-    return sorted(set(found))
+    read = {*_READ, "energy"} if _is_alone(recorded) else _READ
+    return sorted({*recorded.quantities, *recorded.object_quantities} - read)
 
 
 def _is_alone(recorded: Recorded) -> bool:
@@ -78,10 +91,21 @@ def _of_poses(recorded: Recorded, chain: Chain, prefix: str) -> Iterator[_Sensor
         if "base_pose" in recorded.quantities:
             base = prefix + chain.links[0].name
             yield _pose(prefix + "base_pose", tag, base, unit, first)
-    for limb in chain.backbones if "tip_position" in recorded.quantities else ():
-        site = tip_name(prefix, limb.prefix)
-        target = {"objtype": "site", "objname": site}
-        yield _Sensor(f"{site}.position_m", f"{site}.x_m", "framepos", target)
+    yield from _of_tips(recorded, chain, prefix)
+
+
+def _of_tips(recorded: Recorded, chain: Chain, prefix: str) -> Iterator[_Sensor]:
+    kinds = {
+        "tip_position": ("", "framepos", "position_m", "x_m"),
+        "tip_velocity": ("_velocity", "framelinvel", "m_per_s", "x_m_per_s"),
+        "tip_orientation": ("_orientation", "framequat", "wxyz", "qx"),
+    }
+    for quantity, (suffix, tag, unit, first) in kinds.items():
+        for limb in chain.backbones if quantity in recorded.quantities else ():
+            site = tip_name(prefix, limb.prefix)
+            start = f"{site}{suffix}"
+            target = {"objtype": "site", "objname": site}
+            yield _Sensor(f"{start}.{unit}", f"{start}.{first}", tag, target)
 
 
 def _of_joints(recorded: Recorded, chain: Chain, prefix: str) -> Iterator[_Sensor]:
@@ -96,6 +120,9 @@ def _of_joints(recorded: Recorded, chain: Chain, prefix: str) -> Iterator[_Senso
     for channel in channel_names(chain) if "actuation" in recorded.quantities else ():
         name = f"{prefix}{channel}.torque_nm"
         yield _Sensor(name, name, "actuatorfrc", {"actuator": prefix + channel})
+    for channel in channel_names(chain) if "bending_angles" in recorded.quantities else ():
+        name = f"{prefix}{channel}.bend_rad"  # the length of the tendon: the sum of the angles
+        yield _Sensor(name, name, "tendonpos", {"tendon": prefix + channel})
 
 
 def _of_objects(recorded: Recorded) -> Iterator[_Sensor]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import xml.etree.ElementTree as ET
 
 import mujoco
@@ -10,10 +11,13 @@ import pytest
 
 from somo_cli.exchange import mjcf
 from somo_cli.exchange.mjcf_scene import render_scene
-from somo_cli.exchange.unwritten import parts_not_in_mjcf
+from somo_cli.exchange.unwritten import parts_not_in_mjcf, recorded_of
 from somo_cli.manipulator.compile import compile_definition
 from somo_cli.manipulator.kinematics import Pose, link_poses
+from somo_cli.scene.columns import header
+from somo_cli.scene.model import ALL_OBJECT_QUANTITIES, ALL_QUANTITIES
 from tests.builders.definitions import actuator, compiled, document_of, hinge, manipulator
+from tests.builders.runs import rows_of
 from tests.builders.shipped import (
     SHIPPED_CHAINS,
     SHIPPED_SCENES,
@@ -175,6 +179,64 @@ def test_sensors_are_what_the_scene_records() -> None:
     one = scene.objects[0]
     place = state.sensor(f"{one.name}.pose.position_m").data
     np.testing.assert_allclose(place, state.body(one.name).xpos, atol=1e-15)
+
+
+def test_every_quantity_has_a_sensor_or_is_told() -> None:
+    pairs = [((one,), ()) for one in ALL_QUANTITIES] + [
+        ((), (one,)) for one in ALL_OBJECT_QUANTITIES
+    ]
+    for columns, of_objects in pairs:
+        scene = dataclasses.replace(
+            shipped_scene("push_scene"),
+            columns=columns,
+            object_quantities=of_objects,
+            only=(),
+        )
+        model = model_of(render_scene(scene, "push", STEP))
+        told = [part for part in parts_not_in_mjcf(scene) if part.startswith("sensors")]
+        assert (model.nsensor > 0) != bool(told), (columns, of_objects)
+
+
+@pytest.mark.moderate
+def test_sensors_read_what_a_run_records() -> None:
+    scene = dataclasses.replace(
+        shipped_scene("starfish_scene"),
+        columns=("joint_angles", "base_pose", "tip_position", "tip_velocity", "bending_angles"),
+        manipulators=(
+            dataclasses.replace(
+                shipped_scene("starfish_scene").manipulators[0],
+                initial_angles=tuple(np.linspace(-0.2, 0.2, 30).tolist()),
+                initial_rates=tuple(np.linspace(0.3, -0.4, 30).tolist()),
+                linear_velocity=(0.1, 0.2, -0.3),
+                angular_velocity=(0.5, -0.4, 0.3),
+                rpy=(0.2, 0.1, 0.4),
+                position=(0.1, 0.2, 0.4),
+            ),
+        ),
+        every=1,
+        time_step=1e-6,  # the velocities of the first row are known to the first order of it
+    )
+    model = model_of(render_scene(scene, "star", STEP))
+    state = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, state, 0)
+    mujoco.mj_forward(model, state)
+    names = header(recorded_of(scene))
+    row = dict(zip(names, rows_of(scene, 1)[0], strict=True))
+    for name in names:
+        if not name.endswith((".angle_rad", ".bend_rad")):
+            continue
+        assert state.sensor(name).data[0] == pytest.approx(row[name], abs=1e-12)
+    for limb in scene.manipulators[0].compiled.chain.limbs:
+        for sensor, start, unit in (
+            (f"starfish.{limb.name}_tip.position_m", f"starfish.{limb.name}_tip", "m"),
+            (
+                f"starfish.{limb.name}_tip_velocity.m_per_s",
+                f"starfish.{limb.name}_tip_velocity",
+                "m_per_s",
+            ),
+        ):
+            own = [row[f"{start}.{axis}_{unit}"] for axis in "xyz"]
+            np.testing.assert_allclose(state.sensor(sensor).data, own, atol=1e-5)
 
 
 def test_what_a_scene_has_and_mjcf_has_not_is_told() -> None:

@@ -81,7 +81,7 @@ def test_what_is_saved_of_one_manipulator_alone() -> None:
         ),
         # 4 of each joint, 3 + 4 of each link's pose, 7 of the base's, 3 of the tip, 3 energies,
         # 1 axis, and of contact 4 in all and 8 of each link
-        "recorded state": "69 of 71 columns in every row and all of them in 4 of 5 steps",
+        "recorded state": "77 of 79 columns in every row and all of them in 4 of 5 steps",
         "velocities of the step after a row": "a step beyond the last row",
         "checks of stop conditions": "one check every 8 steps",
     }
