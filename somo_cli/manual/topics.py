@@ -8,6 +8,7 @@ from somo_cli import files
 
 TOPICS = {
     "tour": "from an empty folder to a film, in five minutes",
+    "design": "from a modulus and a section to a gripper that lifts a ball",
     "commands": "what each command reads and writes; exit codes, errors, bytes",
     "definitions": "manipulators and assemblies in YAML",
     "scenes": "what is in a scene: actuation, objects, ground, loads, records, stops",
@@ -23,6 +24,7 @@ TOPICS = {
     "troubleshooting": "every finding and the usual errors: what they mean, what to do",
     "columns": "what can be recorded, with units",
     "fields": "every field of every kind of file, with units",
+    "glossary": "the words of the manual",
     "method": "the spring-damper law, and the prediction of contact",
     "benchmarks": "the law against theory, MuJoCo and the loop that users write",
 }

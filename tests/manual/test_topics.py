@@ -70,3 +70,24 @@ def test_a_word_that_no_page_has_is_wrong_usage(somo: Somo) -> None:
     shown = somo("help", "flubber")
     assert (shown.returncode, shown.stdout) == (2, "")
     assert "no page of the manual has 'flubber'; the topics are tour, " in shown.stderr
+
+
+@pytest.mark.slow
+def test_the_design_page_leads_to_a_gripper_that_lifts(somo: Somo, tmp_path: Path) -> None:
+    text = topics.page("design")
+    (begin,) = re.findall(r"^    (somo new .*)$", text, re.MULTILINE)
+    assert somo(*begin.split()[1:]).returncode == 0
+    shown = somo("show", "mine_finger.yaml").stdout
+    assert "0.02669 kg" in shown
+    assert "each 0.08437 N·m/rad (0.02109 in series)" in shown
+    assert "slowest modes: 4.786" in shown
+    judged = somo("run", "mine_scene.yaml", "--error", "--strict")
+    assert judged.returncode == 0
+    assert judged.stderr.splitlines()[-1] == "converged to 0.62 %"
+    (study,) = re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)
+    (tmp_path / "vary.yaml").write_text(study, "utf-8")
+    swept = somo("sweep", "vary.yaml", "-j", "2", "--best", "grip", "--where", "held")
+    assert swept.returncode == 0
+    held = [line.split() for line in swept.stdout.splitlines()[1:]]
+    assert len(held) == 7
+    assert all(float(row[3]) == pytest.approx(0.0758, abs=1e-3) for row in held)
