@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from os import PathLike, fspath
-from typing import TypeAlias
+from pathlib import Path
+from typing import Literal, TypeAlias
 
 from somo_cli import document_kinds, loading
 from somo_cli.document.parse import Document
 from somo_cli.manipulator.compile import Compiled, compile_definition
 from somo_cli.manipulator.dimensions import Scale
 from somo_cli.problems import InvalidFile, Problem, has_errors
+from somo_cli.scene.model import is_scene
 
 Source: TypeAlias = "Document | str | PathLike[str]"
 """A document that was loaded, or the path of a file to load."""
@@ -77,16 +79,48 @@ def compiled(source: Source) -> Compiled:
     return compile_definition(document)
 
 
-def build(source: Source, scale: float | None = None, tip_frame: str | None = None) -> str:
-    """Return the URDF text of a definition or an assembly.
+def build(
+    source: Source,
+    scale: float | None = None,
+    tip_frame: str | None = None,
+    format: Literal["urdf", "sdf", "mjcf"] = "urdf",
+) -> str:
+    """Return the text of a definition or an assembly as URDF, SDF or MJCF, or of a scene as MJCF.
 
-    Lengths are in engine units: metres times the length factor of the file's world_scale, or times
-    `scale` if it is given. With `tip_frame` a massless link of that name is added at each tip.
+    Lengths of a URDF are in engine units: metres times the length factor of the file's world_scale,
+    or times `scale` if it is given. SDF and MJCF are in SI, their base fixed to the world. With
+    `tip_frame` a massless link of that name is added at each tip; it names the site in the MJCF of
+    a definition.
 
     Raises:
         InvalidFile: With every error, each at its line and column.
         OSError: A file cannot be read.
+        ValueError: A scale or a tip frame is given where there is none.
     """
-    found = compiled(source)
+    if format != "urdf" and scale not in (None, 1):
+        raise ValueError("SDF and MJCF are in SI: they take no scale")
+    document = document_of(source)
+    if format == "mjcf":
+        return _mjcf(document, tip_frame)
+    found = compiled(document)
+    if format == "sdf":
+        from somo_cli.exchange import sdf
+
+        return sdf.render_chain(found.chain, tip_frame)
     own = found.scale or Scale()
     return found.urdf(own if scale is None else Scale(scale, own.mass), tip_frame)
+
+
+def _mjcf(document: Document, tip_frame: str | None) -> str:
+    # slow to import, and only MJCF needs the time step of its springs
+    from somo_cli.analysis.explicit_springs import stable_step
+    from somo_cli.exchange import mjcf, mjcf_scene
+
+    scene, _ = loading.scene_of(document)
+    if not is_scene(document):
+        chain = scene.manipulators[0].compiled.chain
+        return mjcf.render_chain(chain, stable_step(scene), tip_frame=tip_frame or "tip")
+    name = Path(document.source).stem if document.source != "-" else "scene"
+    if tip_frame is not None:
+        raise ValueError("the sites of a scene are called tip")
+    return mjcf_scene.render_scene(scene, name, stable_step(scene))

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from somo_cli.document.parse import Document
     from somo_cli.manipulator.chain import Chain
     from somo_cli.manipulator.compile import Compiled
-    from somo_cli.scene.model import Scene
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +99,7 @@ def of_definition(document: Document, wanted: Wanted, is_verified: bool) -> Mode
 
 
 def _si_text(document: Document, compiled: Compiled, wanted: Wanted) -> str:
+    from somo_cli.analysis.explicit_springs import stable_step  # slow to import
     from somo_cli.exchange import mjcf, sdf
 
     is_fixed = not wanted.is_free
@@ -112,6 +112,7 @@ def _si_text(document: Document, compiled: Compiled, wanted: Wanted) -> str:
 
 def of_scene(document: Document) -> Model:
     """Return the MJCF of a scene, printing the warnings about it. Raises InvalidFile."""
+    from somo_cli.analysis.explicit_springs import stable_step
     from somo_cli.exchange import mjcf_scene, unwritten
 
     scene, problems = loading.scene_of(document)
@@ -122,36 +123,12 @@ def of_scene(document: Document) -> Model:
     joints = sum(len(one.compiled.chain.joints) for one in scene.manipulators)
     lines = [
         f"manipulators: {len(scene.manipulators)}, joints: {joints}, objects: "
-        f"{len(scene.objects)}, SI, "
-        f"time step {step:g} s"
+        f"{len(scene.objects)}, SI, time step {step:g} s"
     ]
     if step < scene.time_step:
         lines[0] += f", not {scene.time_step:g}: the springs of MuJoCo need it"
     lines += [f"  not in it: {part}" for part in unwritten.parts_not_in_mjcf(scene)]
     return Model(text, tuple(lines))
-
-
-def stable_step(scene: Scene) -> float:
-    """Return the time step of a scene [s], or one so short that the springs of MuJoCo are stable.
-
-    They are explicit in position and implicit in velocity: stable up to 2 over the highest natural
-    frequency; half of that is taken, at the start and where all springs are relaxed.
-    """
-    # slow to import, and only MJCF needs them
-    from somo_cli.analysis.round_steps import round_down_step
-    from somo_cli.analysis.stability import forecast_of
-    from somo_cli.simulation.plan.build import make_plan
-
-    plan = make_plan(scene)
-    fastest = [
-        float(modes.frequencies.max())
-        for body in plan.bodies
-        if body.chain.joints
-        for modes in forecast_of(plan, body).modes.values()
-    ]
-    if not fastest or max(fastest) == 0:
-        return scene.time_step
-    return min(scene.time_step, round_down_step(1 / max(fastest)))
 
 
 def default_name(source: str, target: Target) -> str:

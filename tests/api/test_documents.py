@@ -60,3 +60,21 @@ def test_an_unknown_name_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="no attribute 'simulat'"):
         _ = somo.simulat
     assert {"simulate", "Simulation", "Result"} <= set(dir(somo))
+
+
+@pytest.mark.moderate
+@pytest.mark.parametrize(
+    ("name", "kind"), [("finger", "sdf"), ("finger", "mjcf"), ("scene", "mjcf")]
+)
+def test_other_formats_are_those_of_the_command(
+    name: str, kind: str, environment: dict[str, str]
+) -> None:
+    path = str(DEFINITIONS / f"{name}.yaml")
+    command = [sys.executable, "-m", "somo_cli", "build", path, "-o", "-", "--format", kind]
+    written = subprocess.run(command, capture_output=True, text=True, env=environment, check=True)
+    assert somo.build(path, format=kind) == written.stdout
+
+
+def test_si_formats_take_no_scale() -> None:
+    with pytest.raises(ValueError, match="no scale"):
+        somo.build(DEFINITIONS / "finger.yaml", scale=20, format="sdf")

@@ -53,6 +53,7 @@ KNOWS: dict[str, set[str]] = {
     },
     "api": _RUN
     | {
+        "exchange",
         "document",
         "scene.checks",
         "simulation.engine.bullet",
