@@ -84,7 +84,8 @@ def new(
         require(kind in _SIZED, f"--{key}", f"it is not for a {kind}")
         require(1e-6 <= value <= 1e15, f"--{key}", f"{value:g} is not from 1e-6 to 1e15")
     stem = Path(name).name
-    require(bool(stem) and stem.replace("_", "a").isalnum(), "NAME", f"{name!r} is not a name")
+    is_name = stem.isascii() and stem.replace("_", "a").isalnum() and not stem[0].isdigit()
+    require(is_name, "NAME", f"{name!r} is not a name: letters, digits and _, a letter first")
     require((of is not None) == (kind not in _SIZED), "--of", _of_what(kind))
     written = {
         str(Path(name).with_name(file)): text

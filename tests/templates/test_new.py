@@ -74,6 +74,8 @@ def test_a_damping_ratio_is_met_by_the_lowest_mode() -> None:
     [
         (("fist", "a"), "'fist' is not one of finger, gripper, arm, snake, scene, study"),
         (("finger", "a b"), "'a b' is not a name"),
+        (("finger", "fün"), "'fün' is not a name"),
+        (("finger", "1st"), "'1st' is not a name: letters, digits and _, a letter first"),
         (("finger", "a", "--segments", "7"), "7 is not a multiple of 2"),
         (("finger", "a", "--length", "-1"), "-1 is not from 1e-6 to 1e15"),
         (("finger", "a", "--of", "b.yaml"), "it is not for a finger, which brings its own files"),
