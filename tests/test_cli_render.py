@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import shutil
 import signal
 import subprocess
@@ -101,6 +102,30 @@ def test_a_scene_that_has_changed_since_gives_a_warning(somo: Somo, here: Path) 
     assert "scene.yaml" not in ended.stderr
 
 
+@pytest.mark.slow
+def test_what_a_recording_lacks_is_simulated_again(somo: Somo, here: Path) -> None:
+    scene, gravity = "definitions/in_hand_scene.yaml", ("--set", "gravity=[0, 0, -9]")
+    run = ("run", scene, *gravity, "--time-step", "0.002", "--duration", "0.4", "-q")
+    assert somo(*run, "-o", "rows.csv").returncode == 0
+    still = (*SMALL, "-q", "--at", "0.3", "-o")
+    ended = somo("render", "rows.csv", "--simulate", *still, "again.png")
+    assert (ended.returncode, ended.stderr) == (0, "")
+    options = ("--record", "*.angle_rad", "--record", "*.pose.*", "--every", "10")
+    assert somo(*run, *options, "-o", "all.csv").returncode == 0
+    somo("render", "all.csv", *still, "whole.png")
+    assert (here / "again.png").read_bytes() == (here / "whole.png").read_bytes()
+    table = (here / "rows.csv").read_text("utf-8").splitlines()
+    time, first, rest = table[2].split(",", 2)
+    table[2] = ",".join((time, str(float(first) + 0.1), rest))
+    (here / "rows.csv").write_text("\n".join(table) + "\n", "utf-8")
+    ended = somo("render", "rows.csv", "--simulate", *still, "again.png")
+    assert ended.returncode == 0
+    assert ended.stderr.startswith(
+        "somo: warning: this simulation is not the one that was recorded: "
+        "finger_1.actuator_0_joint_01.angle_rad differs by "
+    )
+
+
 @pytest.mark.moderate
 def test_missing_columns_are_reported_with_the_options_that_record_them(
     somo: Somo, here: Path
@@ -111,12 +136,16 @@ def test_missing_columns_are_reported_with_the_options_that_record_them(
     assert ended.returncode == 3
     first, *_, hint = ended.stderr.splitlines()
     assert first == (
-        "rows.csv:1:1: error: there is no column 'bar.pose.z_m' and 4 more, "
+        "rows.csv:1:1: error: it has no pose of bar, such as 'bar.pose.z_m', "
         "so the configuration is unknown"
     )
-    options = "--record '*.angle_rad' --record '*.pose.*'"
-    assert hint == f"  hint: record it with somo run {options}"
-    assert somo(*run, *options.replace("'", "").split(), "-o", "rows.csv").returncode == 0
+    start, _, command = hint.partition(", or record it: ")
+    assert start == "  hint: simulate it again with --simulate"
+    assert command == (
+        "somo run definitions/turn_scene.yaml --duration 0.04 --time-step 0.001 "
+        "--record '*.angle_rad' --record '*.pose.*' -o rows.csv"
+    )
+    assert somo(*shlex.split(command)[1:]).returncode == 0
     assert somo("render", "rows.csv", *SMALL).returncode == 0
 
 

@@ -96,6 +96,7 @@ COMMANDS = (
     ("run", str(OBJECTS / "little.yaml"), *FIVE, "-o", "urdf.csv"),
     ("run", "moved.yaml", *FIVE),
     ("render", "rows.csv", "--size", "64x48", "-o", "picture.png"),
+    ("render", "shipped/definitions/scene.yaml", "--size", "64x48", "-o", "start.png"),
     (
         "report", "shipped/definitions/cantilever_scene.yaml", "--set", "reference=elastica",
         "--segments", "2,4", "--duration", "0.2", "--time-steps", "2e-2", "--integrators",

@@ -1,7 +1,7 @@
 """somo render: draw a scene or a recorded run, as a picture or a film."""
 
-import dataclasses
 from collections.abc import Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,7 +9,7 @@ import typer
 
 from somo_cli import output_files, terminal
 from somo_cli.budget import Budget
-from somo_cli.cli import render_source, run_report
+from somo_cli.cli import render_simulation, render_source
 from somo_cli.cli.application import (
     MemoryOption,
     OutsideOption,
@@ -30,11 +30,9 @@ from somo_cli.cli.render_timing import Timing
 from somo_cli.cli.simulated_time import DurationOption, StepsOption
 
 if TYPE_CHECKING:
-    from somo_cli.document.parse import Document
     from somo_cli.picture.draw import PictureSettings
     from somo_cli.picture.facets import Array
     from somo_cli.picture.recorded_motion import RecordedMotion
-    from somo_cli.scene.model import Scene
 
 STILL = ".png"
 
@@ -128,6 +126,13 @@ def render(
             help="The scene of a CSV. [default: the one that its .meta.json names]",
         ),
     ] = None,
+    simulates: Annotated[
+        bool,
+        typer.Option(
+            "--simulate",
+            help="Where a CSV lacks columns that pictures need, simulate its scene again.",
+        ),
+    ] = False,
     max_seconds: SecondsOption = None,
     max_memory: MemoryOption = None,
     sets: SetOption = None,
@@ -138,7 +143,7 @@ def render(
     """Draw a scene or a recorded run, as a still or a film, without a display.
 
     A scene is simulated up to the time that is shown. A CSV is shown as it was recorded; it must
-    have joint_angles, base_pose of free bases, and pose of free objects.
+    have joint_angles, base_pose of free bases, and pose of free objects, or --simulate is needed.
     """
     budget = budget_of(max_seconds, max_memory)
     access = access_of(allow_outside, package)
@@ -147,19 +152,21 @@ def render(
     timing = Timing(kind != STILL, at, start, until, steps, duration, every, speed)
     look = look_of(camera, target, size, kind == ".mp4")
     is_csv = render_source.is_recording(source)
-    require(is_csv or scene is None, "--scene", f"it is for a CSV, and {source} is not one")
+    for option, is_given in (("--scene", scene is not None), ("--simulate", simulates)):
+        require(is_csv or not is_given, option, f"it is for a CSV, and {source} is not one")
     timing.check_options(is_csv)
     if timing.is_film:
         _require_encoder(timing)
     output_files.refuse_unwritable(written)
     if is_csv:
-        document, recording = render_source.recorded(source, scene, sets or [], access)
+        again = partial(render_simulation.simulated_again, timing, budget) if simulates else None
+        document, recording = render_source.recorded(source, scene, sets or [], access, again)
         refuse_overwriting(document, written)
         times = timing.frame_times(recording)
     else:
         document, found = render_source.read_scene(source, sets or [], access)
         refuse_overwriting(document, written)
-        recording, times = _simulated(document, found, timing, budget)
+        recording, times = render_simulation.simulated_for(document, found, timing, budget)
     drawn = _pictures(recording, times, look, budget)
     output_files.write_atomically(written, _encoded(drawn, look, timing, kind))
     if not quiet:
@@ -181,22 +188,6 @@ def _require_encoder(timing: Timing) -> None:
 
     film.require()
     assert timing.rate, "checked before anything is simulated"
-
-
-def _simulated(
-    document: "Document", scene: "Scene", timing: Timing, budget: Budget
-) -> "tuple[RecordedMotion, tuple[float, ...]]":
-    steps = timing.steps_of(scene)
-    spacing = timing.between if timing.is_film else None
-    recording, summary = render_source.simulated(document, scene, steps, budget, spacing)
-    terminal.print_lines(run_report.finding_lines(summary))
-    why = ""
-    if summary.stopped is not None:
-        why = f", by stop[{summary.stopped.condition}]: {summary.stopped.reason}"
-        if timing.is_film and summary.steps < steps:
-            terminal.print_message(f"the film ends at {recording.times[-1]:.9g} s{why}")
-            timing = dataclasses.replace(timing, until=None)
-    return recording, timing.frame_times(recording, why)
 
 
 def _pictures(

@@ -6,12 +6,18 @@ import dataclasses
 import json
 import os
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from somo_cli import files, terminal
 from somo_cli.budget import Budget
+from somo_cli.cli.render_again import (
+    Repetition,
+    difference_lines,
+    missing_columns,
+    problem_of,
+)
 from somo_cli.cli.run_outputs import beside
 from somo_cli.cli.tables import MAX_TABLE_BYTES, read_table_file
 from somo_cli.problems import InvalidFile, Problem, Span
@@ -19,7 +25,6 @@ from somo_cli.problems import InvalidFile, Problem, Span
 if TYPE_CHECKING:
     from somo_cli.arrays import Array
     from somo_cli.document.parse import Document
-    from somo_cli.document.table import Table
     from somo_cli.packages import Access
     from somo_cli.picture.recorded_motion import RecordedMotion
     from somo_cli.scene.model import Scene
@@ -33,12 +38,17 @@ def is_recording(source: str) -> bool:
     return source.lower().endswith(".csv")
 
 
-def read_scene(path: str, sets: Sequence[str], access: Access) -> tuple[Document, Scene]:
-    """Read a scene and print its warnings. Raises OSError and InvalidFile."""
+def read_scene(
+    path: str, sets: Sequence[str], access: Access, time_step: float | None = None
+) -> tuple[Document, Scene]:
+    """Read a scene and print its warnings. Raises OSError and InvalidFile.
+
+    `time_step` [s] replaces that of the scene.
+    """
     from somo_cli import loading
 
     document = loading.load(path, sets, *access)
-    scene, warnings = loading.scene_of(document)
+    scene, warnings = loading.scene_of(document, None, time_step)
     terminal.print_problems(warnings, document.texts)
     return document, scene
 
@@ -77,12 +87,17 @@ def simulated(
 
 
 def recorded(
-    path: str, scene: str | None, sets: Sequence[str], access: Access
+    path: str,
+    scene: str | None,
+    sets: Sequence[str],
+    access: Access,
+    simulate: Callable[[Document, RecordedMotion], RecordedMotion] | None = None,
 ) -> tuple[Document, RecordedMotion]:
     """Read a CSV of `somo run` and its scene. Raises OSError and InvalidFile.
 
     The scene is the one given, or else the one that the `.meta.json` beside the CSV names, with the
-    values that were overridden.
+    values that were overridden. Where the CSV lacks columns, `simulate` simulates the scene again,
+    unless it is None; a warning says if the result is another.
     """
     from somo_cli.document.table import require_columns
     from somo_cli.picture.recorded_motion import RecordedMotion
@@ -91,9 +106,11 @@ def recorded(
     require_columns(table, increasing="time_s")
     about = _about(path, scene is None)
     overrides = [*about.get("overrides", ()), *sets]
+    step = about.get("time_step_s")
+    time_step = step if isinstance(step, float) and 0 < step <= 1 else None
     named = scene or os.path.normpath(Path(path).parent / about["scene"])
     try:
-        document, found = read_scene(named, overrides, access)
+        document, found = read_scene(named, overrides, access, time_step)
     except FileNotFoundError as error:
         if scene is not None:
             raise
@@ -102,7 +119,14 @@ def recorded(
         raise InvalidFile([Problem(place, message, "name it with --scene")]) from error
     terminal.print_problems(_changes(about.get("inputs", {}), document), document.texts)
     recording = RecordedMotion(found, table.columns)
-    _require_all(recording, table)
+    missing = missing_columns(recording)
+    if missing and simulate is not None:
+        again = simulate(document, recording)
+        terminal.print_lines(difference_lines(recording, again))
+        return document, again
+    if missing:
+        run = Repetition(named, overrides, time_step, recording.times[-1], path)
+        raise InvalidFile([problem_of(missing, recording, table, run)], table.texts)
     return document, recording
 
 
@@ -160,18 +184,3 @@ def _relative(source: str, to: str) -> str:
         return os.path.relpath(source, Path(to).parent)
     except ValueError:  # on another drive
         return source
-
-
-def _require_all(recording: RecordedMotion, table: Table) -> None:
-    wanted = recording.required_columns()
-    missing = [name for name in wanted if name not in table.columns]
-    if not missing:
-        return
-    more = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
-    message = f"there is no column '{missing[0]}'{more}, so the configuration is unknown"
-    kinds = {".angle_rad": "*.angle_rad", ".base_pose.": "*.base_pose.*", ".pose.": "*.pose.*"}
-    patterns = [kinds[kind] for kind in kinds if any(kind in name for name in wanted)]
-    options = " ".join(f"--record '{pattern}'" for pattern in patterns)
-    hint = f"record it with somo run {options}"
-    place = table.header_span(table.names[0])
-    raise InvalidFile([Problem(place, message, hint)], table.texts)
