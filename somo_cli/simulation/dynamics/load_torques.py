@@ -16,6 +16,9 @@ from somo_cli.manipulator.chain import Chain, Joint
 from somo_cli.manipulator.geometry import Matrix, Vector
 from somo_cli.simulation.dynamics.straight_code import ZERO_NAMES, Names, StraightCode
 
+_FEW = 2
+"""Loads on a limb up to which each is turned by itself."""
+
 
 @dataclass(frozen=True, slots=True)
 class CarriedLoad:
@@ -72,11 +75,10 @@ def _add_limb(
     way = range(first, max(load.link for load, _ in loads))
     turns = {number: _Turn(code, chain.joints[number], number) for number in way}
     outwards: dict[int, tuple[Names, Names]] = {}
-    turned = []
-    for load, wrench in loads:
-        if not load.turns_with_link:
-            outwards = _outwards(turns, first, load.link, wrench)
-        turned.append((load, wrench if load.turns_with_link else outwards[load.link]))
+    if len(loads) > _FEW:
+        turned = _turned_together(code, turns, loads)
+    else:
+        turned = _turned_apart(turns, first, loads, outwards)
     # the force of a lone load that keeps its direction is known in the axes of every link
     is_known = len(loads) == 1 and bool(outwards)
     force, moment = ZERO_NAMES, ZERO_NAMES
@@ -114,6 +116,57 @@ def _outwards(
         wrench = turns[number].outwards(force), turns[number].outwards(moment)
         found[number + 1] = wrench
     return found
+
+
+def _turned_apart(
+    turns: dict[int, _Turn],
+    first: int,
+    loads: Sequence[tuple[CarriedLoad, tuple[Names, Names]]],
+    outwards: dict[int, tuple[Names, Names]],
+) -> list[tuple[CarriedLoad, tuple[Names, Names]]]:
+    """Return each load with its wrench in the axes of its link; `outwards` gets those on the way.
+
+    With several loads they are those of the last one.
+    """
+    found = []
+    for load, wrench in loads:
+        if not load.turns_with_link:
+            outwards |= _outwards(turns, first, load.link, wrench)
+            wrench = outwards[load.link]
+        found.append((load, wrench))
+    return found
+
+
+def _turned_together(
+    code: StraightCode,
+    turns: dict[int, _Turn],
+    loads: Sequence[tuple[CarriedLoad, tuple[Names, Names]]],
+) -> list[tuple[CarriedLoad, tuple[Names, Names]]]:
+    """Return each load with its wrench in the axes of its link.
+
+    The axes of the base are turned outwards instead of each wrench: the code of many loads grows
+    with their number, not with that times the number of joints.
+    """
+    axes: list[Names] = [("1.0", "", ""), ("", "1.0", ""), ("", "", "1.0")]
+    by_link = {}
+    for number in turns:
+        axes = [turns[number].outwards(axis) for axis in axes]
+        by_link[number + 1] = axes
+    found = []
+    for load, wrench in loads:
+        if not load.turns_with_link:
+            force, moment = (_in_axes(code, by_link[load.link], part) for part in wrench)
+            wrench = force, moment
+        found.append((load, wrench))
+    return found
+
+
+def _in_axes(code: StraightCode, axes: Sequence[Names], vector: Names) -> Names:
+    x, y, z = (
+        code.total((1, (part, axis[i])) for part, axis in zip(vector, axes, strict=True))
+        for i in range(3)
+    )
+    return (x, y, z)
 
 
 class _Turn:

@@ -232,7 +232,7 @@ def test_joint_torques_are_those_of_the_generalised_force(name: str, is_held: bo
             "waypoints: [[0, 1], [1, 0.5], [2, 0]]}"
         )
     # the first alone as well: then its force need not be carried inwards
-    for loads in (lines[:1], lines[1:2], lines):
+    for loads in (lines[:1], lines[1:2], lines[1:3], lines):
         check_joint_torques(name, ", ".join(loads), is_held, random)
 
 
