@@ -123,6 +123,8 @@ def _weight(scene: Scene, one: Manipulator, beam: _Beam) -> float:
     sideways = float(gravity @ beam.across)
     if np.linalg.norm(gravity - sideways * beam.across) > TOLERANCE * np.linalg.norm(gravity):
         raise ReferenceMismatch("it is about gravity across the beam, in its plane of bending")
+    if any(actuator.taper != 1 for actuator in definition.actuators):
+        raise ReferenceMismatch("it is about a beam without a taper")
     densities = [actuator.link.mass / actuator.link.height for actuator in definition.actuators]
     if not np.allclose(densities, densities[0], rtol=TOLERANCE):
         raise ReferenceMismatch("it is about a beam of one mass per length")

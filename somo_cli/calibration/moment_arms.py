@@ -129,6 +129,8 @@ def of_definition(
     if not moving:
         what = "moves no joint" if numbers else "does not exist"
         raise NoMomentArms(f"axis {axis} of actuator {actuator} {what}")
+    if one.taper != 1:
+        raise NoMomentArms(f"actuator {actuator} has a taper: only uniform ones are calibrated")
     if any(joint.neutral_position for joint in one.joints):
         raise NoMomentArms(f"actuator {actuator} is not straight at rest: joint_neutral_position")
     kind, direction = _kind(one.joints[moving[0]].axis)

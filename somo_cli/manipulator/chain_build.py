@@ -20,6 +20,7 @@ from somo_cli.manipulator.definition import (
 from somo_cli.manipulator.geometry import Vector
 from somo_cli.manipulator.joint_placement import scaled_to_share
 from somo_cli.manipulator.solids import Box, Cylinder, Inertial, Solid, Sphere
+from somo_cli.manipulator.taper import joint_at, link_at
 
 
 @dataclass(slots=True)
@@ -74,11 +75,13 @@ def _add_actuator(
     index: int,
     start: float,
 ) -> float:
-    link, end = actuator.link, start
+    end, done = start, 0.0
     digits = max(2, len(str(actuator.n_segments)))
     for segment, fraction in enumerate(actuator.fractions):
+        link = link_at(actuator, (done + fraction / 2) / actuator.n_segments)
         if segment > 0:
             joint = scaled_to_share(actuator.joints[segment - 1], actuator.shares[segment - 1])
+            joint = joint_at(actuator, joint, done / actuator.n_segments)
             hinge = (joint.offset[0], joint.offset[1], joint.offset[2] + end)
             bodies[-1].shapes.extend(_gap_filler(link, joint, hinge, bodies[-1].origin))
             if joint.joint_type != "fixed":
@@ -98,6 +101,7 @@ def _add_actuator(
         solid = link.solid.shortened(fraction)
         bodies[-1].add(link, solid, _inertial(link, fraction), end)
         end += solid.height
+        done += fraction
     return end
 
 

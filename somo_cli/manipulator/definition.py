@@ -105,6 +105,8 @@ class ActuatorDefinition:
     spans: tuple[Length, ...]
     shares: tuple[Number, ...]
     fractions: tuple[Number, ...]
+    taper: Number = 1.0
+    """Width at the end over that at the start; `link` and `joints` are those of the start."""
 
     @property
     def n_segments(self) -> int:

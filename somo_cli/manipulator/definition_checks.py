@@ -12,6 +12,7 @@ from somo_cli.manipulator.definition import MAXIMUM_JOINTS
 from somo_cli.manipulator.link_checks import IsSound, link_problems
 from somo_cli.manipulator.modulus_checks import modulus_problems
 from somo_cli.manipulator.read import link_from
+from somo_cli.manipulator.taper_checks import taper_problems
 from somo_cli.problems import Pointer, Problem
 
 LENGTH_TOLERANCE = 1e-6  # relative; 3 * 0.1 must equal 0.3
@@ -93,6 +94,7 @@ def _actuator_problems(document: Document, at: Pointer, is_sound: IsSound) -> It
         yield from _count_problems(document, at, data, len(joints), is_sound)
         yield from _length_problems(document, at, data, is_sound)
     yield from _placement_problems(document, at, data, is_sound)
+    yield from taper_problems(document, at, data, is_sound)
 
 
 def _count_problems(

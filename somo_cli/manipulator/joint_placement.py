@@ -67,6 +67,7 @@ def actuator_of(
     joints: tuple[JointDefinition, ...],
     channels: tuple[int, ...],
     axes: int,
+    taper: float = 1.0,
 ) -> ActuatorDefinition:
     """Return the actuator of these joints, whose properties are those of evenly placed joints."""
     where = layout(placement, channels, axes)
@@ -78,6 +79,7 @@ def actuator_of(
         spans=tuple(share * axes * link.height for share in where.shares),
         shares=where.shares,
         fractions=where.fractions,
+        taper=taper,
     )
 
 

@@ -100,6 +100,7 @@ def _actuator(data: Mapping[str, Any]) -> ActuatorDefinition:
         tuple(definitions[turn] for turn in turns),
         tuple(turns) if is_alternating else (0,) * count,
         len(definitions) if is_alternating else 1,
+        float(data.get("taper") or 1.0),
     )
 
 

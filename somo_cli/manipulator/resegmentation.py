@@ -71,6 +71,7 @@ def _cut_actuator(actuator: ActuatorDefinition, index: int, count: int) -> Actua
         tuple(joints[turn] for turn in turns),
         turns,
         axes,
+        actuator.taper,
     )
 
 

@@ -59,6 +59,11 @@ class Box:
         """Return the farthest extent from the origin along a unit direction in its own axes."""
         return sum(abs(d) * edge / 2 for d, edge in zip(direction, self.size, strict=True))
 
+    def widened(self, factor: float) -> Box:
+        """Return the box with this factor on its edges along x and y."""
+        x, y, z = self.size
+        return replace(self, size=(x * factor, y * factor, z))
+
     def shortened(self, fraction: float) -> Box:
         """Return the box at this fraction of its height."""
         return replace(self, size=(self.size[0], self.size[1], self.size[2] * fraction))
@@ -100,6 +105,10 @@ class Cylinder:
         """Return the farthest extent from the origin along a unit direction in its own axes."""
         x, y, z = direction
         return abs(z) * self.length / 2 + math.hypot(x, y) * self.radius
+
+    def widened(self, factor: float) -> Cylinder:
+        """Return the cylinder with this factor on its radius."""
+        return replace(self, radius=self.radius * factor)
 
     def shortened(self, fraction: float) -> Cylinder:
         """Return the cylinder at this fraction of its length."""
