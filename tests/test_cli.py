@@ -176,6 +176,7 @@ def test_check_as_json(somo: Somo, here: Path) -> None:
     assert (ended.returncode, ended.stderr) == (1, "")
     assert json.loads(ended.stdout) == [
         {
+            "code": "document",
             "path": "wrong.yaml",
             "line": 3,
             "column": 5,

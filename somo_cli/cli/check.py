@@ -120,7 +120,7 @@ def _check_files(paths: Sequence[str], access: "Access", is_strict: bool, as_jso
             texts.update(read)
     found = list(in_reading_order(found, texts))
     if as_json:
-        typer.echo(json.dumps([_plain(problem) for problem in found], indent=2))
+        typer.echo(json.dumps(_plain(found), indent=2))
     else:
         terminal.print_problems(found, texts)
     raise typer.Exit(5 if is_unreadable else int(_is_found(found, is_strict)))
@@ -212,8 +212,7 @@ def _print_findings(
     if not as_json:
         terminal.print_problems(found, texts)
         return
-    findings = [{"code": problem.code or "document", **_plain(problem)} for problem in found]
-    typer.echo(json.dumps({"findings": findings, **known}, indent=2))
+    typer.echo(json.dumps({"findings": _plain(found), **known}, indent=2))
 
 
 def _is_found(problems: Iterable[Problem], is_strict: bool) -> bool:
@@ -221,13 +220,16 @@ def _is_found(problems: Iterable[Problem], is_strict: bool) -> bool:
     return has_errors(known) or (is_strict and has_warnings(known))
 
 
-def _plain(problem: Problem) -> dict[str, object]:
-    span = problem.span
-    return {
-        "path": span.source,
-        "line": span.line,
-        "column": span.column,
-        "severity": problem.severity,
-        "message": problem.message,
-        "hint": problem.hint,
-    }
+def _plain(found: Iterable[Problem]) -> list[dict[str, object]]:
+    return [
+        {
+            "code": problem.code or "document",
+            "path": problem.span.source,
+            "line": problem.span.line,
+            "column": problem.span.column,
+            "severity": problem.severity,
+            "message": problem.message,
+            "hint": problem.hint,
+        }
+        for problem in found
+    ]

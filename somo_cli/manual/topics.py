@@ -17,6 +17,7 @@ TOPICS = {
     "accuracy": "error against run time: report, --error, --tolerance, --numerics",
     "calibrate": "from measurements to stiffness, torque and damping",
     "sweeps": "many runs: parameters, labels, one table",
+    "scripts": "exit codes, findings as data, GitHub Actions, SLURM",
     "studies": "the shipped studies: what they show, with pictures",
     "python": "the API: load, check, build, simulate, Simulation",
     "models": "URDF, SDF and MJCF for other programs; a scene that opens in MuJoCo",
