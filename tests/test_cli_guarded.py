@@ -86,3 +86,32 @@ def test_unfinished_rows_are_cut(tmp_path: Path, text: str, kept: str | None) ->
     assert (path.read_text("utf-8") if path.exists() else None) == kept
     _keep_whole_rows("-")
     _keep_whole_rows(str(tmp_path / "other.csv"))
+
+
+@pytest.mark.moderate
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells of the end of a parent")
+def test_the_simulation_ends_with_the_command(tmp_path: Path, environment: dict[str, str]) -> None:
+    command = ["run", str(SCENE), "--steps", "90000000", "--every", "1", "-o", "x.csv"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "somo_cli", *command, "--guarded"], cwd=tmp_path, env=environment
+    )
+    partial = tmp_path / "x.csv.partial"
+    give_up = time.monotonic() + 60
+    while not (partial.exists() and partial.stat().st_size) and time.monotonic() < give_up:
+        time.sleep(0.02)
+    child = int(Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text("utf-8"))
+    process.kill()
+    process.wait(timeout=60)
+    while _is_running(child) and time.monotonic() < give_up:
+        time.sleep(0.02)
+    assert not _is_running(child)
+    assert partial.read_text("utf-8").endswith("\n")
+
+
+def _is_running(number: int) -> bool:
+    """Return whether a process runs; one that nobody has waited for does not."""
+    try:
+        state = Path(f"/proc/{number}/stat").read_text("utf-8").rpartition(")")[2].split()[0]
+    except FileNotFoundError:
+        return False
+    return state != "Z"

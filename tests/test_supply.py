@@ -17,7 +17,12 @@ FORBIDDEN = {
     *("socket", "ssl", "http", "urllib.request", "ftplib", "smtplib", "requests", "subprocess"),
     *("pickle", "marshal", "shelve", "ctypes", "runpy", "pty", "code", "webbrowser"),
 }
-ALLOWED = {"simulation.engine.bullet.c_stdio": {"ctypes"}}  # flushes what the engine printed
+ALLOWED = {
+    "simulation.engine.bullet.c_stdio": {"ctypes"},  # flushes what the engine printed
+    "cli.run_guarded": {"ctypes"},  # has the simulation end with the command
+    # writes sums of products: of numbers and of names of its own, of no text of a file
+    "simulation.dynamics.straight_code": {"exec"},
+}
 CALLS = {"eval", "exec", "__import__", "os.system", "os.popen", "yaml.unsafe_load", "yaml.load"}
 
 
@@ -54,5 +59,5 @@ def test_no_module_connects_or_runs_anything(module: str) -> None:
         elif isinstance(node, ast.ImportFrom) and node.level == 0:
             imported |= {node.module or "", *(f"{node.module}.{one.name}" for one in node.names)}
     called = {ast.unparse(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
-    wrong = imported & FORBIDDEN - ALLOWED.get(module, set())
-    assert (wrong, called & CALLS) == (set(), set())
+    allowed = ALLOWED.get(module, set())
+    assert (imported & FORBIDDEN - allowed, called & CALLS - allowed) == (set(), set())

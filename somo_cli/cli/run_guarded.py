@@ -17,6 +17,7 @@ from somo_cli.cli.run_outputs import Targets
 
 _FORWARDED = ("SIGINT", "SIGTERM", "SIGHUP")
 _BLOCK = 1 << 16  # bytes
+_PR_SET_PDEATHSIG = 1  # of linux/prctl.h
 
 
 def go_on_in_child(scene: str, targets: Targets) -> None:
@@ -32,9 +33,11 @@ def go_on_in_child(scene: str, targets: Targets) -> None:
     numbers = {getattr(signal, name) for name in _FORWARDED}
     # a signal that comes before it can go on to the child waits
     before = signal.pthread_sigmask(signal.SIG_BLOCK, numbers)
+    parent = os.getpid()
     child = os.fork()
     if child == 0:
         os.setpgid(0, 0)
+        _end_with(parent)
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
         return
 
@@ -55,6 +58,17 @@ def go_on_in_child(scene: str, targets: Targets) -> None:
     terminal.print_message(f"somo: the process that simulated {scene} was killed by {cause}")
     terminal.print_message(f"  hint: {_hint(cause)}")
     raise typer.Exit(4)
+
+
+def _end_with(parent: int) -> None:
+    """Have this process get SIGTERM when its parent is gone, whatever ended that; on Linux."""
+    if sys.platform == "linux":
+        # loading ctypes takes milliseconds, which only this command pays
+        import ctypes
+
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
+        if os.getppid() != parent:  # it was gone before
+            os.kill(os.getpid(), signal.SIGTERM)
 
 
 def _hint(cause: str) -> str:

@@ -39,6 +39,8 @@ class StraightCode:
         name = f"v{len(self._lines)}"
         text = ""
         for coefficient, names in kept:
+            if not math.isfinite(coefficient):
+                raise ValueError(f"a coefficient is {coefficient}, but must be finite")
             sign = "-" if coefficient < 0 else "+" if text else ""
             size = abs(coefficient)
             factors = list(names) if size == 1 and names else [repr(size), *names]
