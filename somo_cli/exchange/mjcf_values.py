@@ -76,6 +76,9 @@ class MjcfValues:
         if "quat" in given:
             w, x, y, z = numbers(self.problems, element, "quat", 4)
             length = math.hypot(w, x, y, z)
+            if length == 0:
+                report(self.problems, element, "the quaternion has no length")
+                return geometry.IDENTITY
             return geometry.rotation_from_quaternion(
                 (x / length, y / length, z / length, w / length)
             )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from somo_cli.exchange.flat_model import FlatJoint, FlatModel
 from somo_cli.exchange.mjcf_values import MjcfValues
 from somo_cli.exchange.precise_rpy import precise_rpy
-from somo_cli.exchange.read_tree import ReadLink, flat_model
+from somo_cli.exchange.read_tree import ReadLink, flat_model, unit_axis
 from somo_cli.manipulator import geometry, solids
 from somo_cli.manipulator.chain import Shape
 from somo_cli.manipulator.definition import Material
@@ -16,6 +16,7 @@ from somo_cli.scene.urdf_values import numbers, report
 from somo_cli.scene.urdf_xml import XmlElement
 
 _WATER = 1000.0  # kg/m³: MuJoCo's density of geoms
+_MAKERS = {"frame", "replicate", "composite", "flexcomp", "include", "attach"}
 _FREE = ("freejoint", "free")
 
 
@@ -28,10 +29,21 @@ def read_mjcf(problems: list[Problem], root: XmlElement, body: str | None) -> Fl
         message = f"the world has {len(bodies)} bodies {what}"
         report(problems, root, message, f"--body chooses one of {names}" if names else "")
         return None
+    _report_unread(problems, root, bodies[0])
     reader = _Reader(MjcfValues(problems, root), _groups(root))
     reader.add(bodies[0], -1, Pose(), "")
     name = root.attributes.get("model", "model")
     return None if problems else flat_model(problems, name, reader.found)
+
+
+def _report_unread(problems: list[Problem], root: XmlElement, body: XmlElement) -> None:
+    """Report what makes bodies or masses that this reader would miss."""
+    for element in (one for one in body.walk() if one.tag in _MAKERS):
+        hint = "let MuJoCo write it out: mj_saveLastXML, or MjSpec.to_xml"
+        report(problems, element, f"<{element.tag}> is not read", hint)
+    for compiler in root.children_with_tag("compiler"):
+        if compiler.attributes.get("inertiafromgeom", "auto") == "true":
+            report(problems, compiler, "inertiafromgeom is not read", "give each body its inertia")
 
 
 def _bodies(root: XmlElement, name: str | None) -> list[XmlElement]:
@@ -98,7 +110,8 @@ class _Reader:
         values = self._values
         if element.attributes.get("type", "hinge") != "hinge":
             report(values.problems, element, "a joint that is not a hinge")
-        axis = geometry.vector(numbers(values.problems, element, "axis", 3, "0 0 1"))
+        given = numbers(values.problems, element, "axis", 3, "0 0 1")
+        axis = unit_axis(values.problems, element, given)
         place = geometry.vector(numbers(values.problems, element, "pos", 3, "0 0 0"))
         (lower, upper), start = values.range_of(element), values.angle(element, "ref")
         is_limited = lower <= upper
@@ -109,7 +122,7 @@ class _Reader:
             name=name,
             parent=0,
             hinge=body.point(place),
-            axis=geometry.rotate(body.rotation, geometry.unit(axis)),
+            axis=geometry.rotate(body.rotation, axis),
             lower=lower - start if is_limited else lower,
             upper=upper - start if is_limited else upper,
             stiffness=values.number(element, "stiffness"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from somo_cli.exchange.flat_model import FlatJoint, FlatModel
 from somo_cli.exchange.precise_rpy import precise_rpy
-from somo_cli.exchange.read_tree import ReadLink, flat_model
+from somo_cli.exchange.read_tree import MAX_LINKS, ReadLink, flat_model, root_of_tree, unit_axis
 from somo_cli.exchange.read_urdf import GREY, drawn_factor
 from somo_cli.exchange.read_values import text_number, text_numbers, text_pose
 from somo_cli.manipulator import geometry
@@ -16,7 +16,7 @@ from somo_cli.problems import Problem
 from somo_cli.scene.urdf_values import report
 from somo_cli.scene.urdf_xml import XmlElement
 
-_MAX_FRAMES = 1000
+_MAX_FRAMES = 2 * MAX_LINKS
 _UNLIMITED = 1e15  # rad: SDF's word for a joint without limits is 1e16
 
 
@@ -28,7 +28,8 @@ def read_sdf(problems: list[Problem], root: XmlElement) -> FlatModel | None:
         return None
     reader = _Reader(problems, models[0])
     found = reader.links()
-    return None if problems else flat_model(problems, models[0].attributes["name"], found)
+    name = models[0].attributes.get("name", "model")
+    return None if problems else flat_model(problems, name, found)
 
 
 class _Reader:
@@ -45,17 +46,11 @@ class _Reader:
 
     def links(self) -> list[ReadLink]:
         """Return all links below the root, parents first and depth first."""
-        by_child = {self._end(one, "child"): one for one in self._joints}
-        names = [one.attributes["name"] for one in self._model.children_with_tag("link")]
-        held = {"world", ""}
-        roots = [
-            name
-            for name in names
-            if name not in by_child or self._end(by_child[name], "parent") in held
-        ]
-        if len(roots) != 1:
-            message = f"the links have {len(roots)} roots"
-            report(self._problems, self._model, message, "a model has one")
+        names = [one.attributes.get("name", "") for one in self._model.children_with_tag("link")]
+        ends = [(self._end(one, "parent"), self._end(one, "child")) for one in self._joints]
+        moved = [one for one in ends if one[0] not in ("world", "")]
+        first = root_of_tree(self._problems, self._model, names, moved)
+        if first is None:
             return []
         found: list[ReadLink] = []
 
@@ -78,7 +73,7 @@ class _Reader:
                 if self._end(one, "parent") == name and child in self._frames:
                     add(child, number, one)
 
-        add(roots[0], -1, None)
+        add(first, -1, None)
         return found
 
     def _end(self, joint: XmlElement, tag: str) -> str:
@@ -118,7 +113,7 @@ class _Reader:
         for number, element in enumerate(collisions):
             solid, at = self._solid(element), text_pose(self._problems, element)
             factor, material = 1.0, GREY
-            if len(visuals) == len(collisions):
+            if len(visuals) == len(collisions) and solid.height > 0:
                 factor = drawn_factor(solid, self._solid(visuals[number]))
                 material = self._material(visuals[number])
             rpy = precise_rpy(at.rotation)
@@ -155,15 +150,15 @@ class _Reader:
             message = f"a joint of type '{kind}', or without <axis>"
             report(problems, element, message, "a definition has revolute ones")
             return None
-        at = self._pose_of(element.attributes["name"])
-        direction = geometry.unit(geometry.vector(text_numbers(problems, axis, "xyz", 3, "0 0 1")))
+        at = self._pose_of(element.attributes.get("name", ""))
+        direction = unit_axis(problems, axis, text_numbers(problems, axis, "xyz", 3, "0 0 1"))
         limit, dynamics = (axis.first_child_with_tag(tag) for tag in ("limit", "dynamics"))
         lower = text_number(problems, limit, "lower", -_UNLIMITED)
         upper = text_number(problems, limit, "upper", _UNLIMITED)
         if kind == "continuous" or max(-lower, upper) >= _UNLIMITED:
             lower, upper = 0.0, -1.0
         return FlatJoint(
-            name=element.attributes["name"],
+            name=element.attributes.get("name", ""),
             parent=0,
             hinge=at.position,
             axis=geometry.rotate(at.rotation, direction),

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from somo_cli.exchange.flat_model import FlatJoint, FlatModel
 from somo_cli.exchange.precise_rpy import precise_rpy
-from somo_cli.exchange.read_tree import ReadLink, flat_model
+from somo_cli.exchange.read_tree import ReadLink, flat_model, root_of_tree, unit_axis
 from somo_cli.exchange.read_values import text_number
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Shape
@@ -40,17 +40,12 @@ def read_urdf(problems: list[Problem], root: XmlElement) -> FlatModel | None:
         if one.first_child_with_tag("springStiffness") is not None
     }
     joints_from: dict[str, list[XmlElement]] = {}
-    children = set()
     for joint in root.children_with_tag("joint"):
-        parent, child = (_end(joint, tag) for tag in ("parent", "child"))
-        if parent not in links or child not in links:
-            report(problems, joint, "the parent or the child of this joint is no link")
-            continue
-        joints_from.setdefault(parent, []).append(joint)
-        children.add(child)
-    roots = [name for name in links if name not in children]
-    if len(roots) != 1:
-        report(problems, root, f"the links have {len(roots)} roots", "a model has one")
+        joints_from.setdefault(_end(joint, "parent"), []).append(joint)
+    names = [one.attributes.get("name", "") for one in root.children_with_tag("link")]
+    ends = [(_end(one, "parent"), _end(one, "child")) for one in root.children_with_tag("joint")]
+    first = root_of_tree(problems, root, names, ends)
+    if first is None:
         return None
     materials = _materials(problems, root)
     found: list[ReadLink] = []
@@ -64,7 +59,7 @@ def read_urdf(problems: list[Problem], root: XmlElement) -> FlatModel | None:
             spring = springs.get(one.attributes.get("name", ""))
             add(_end(one, "child"), number, at, _joint(problems, one, spring, at))
 
-    add(roots[0], -1, Pose(), None)
+    add(first, -1, Pose(), None)
     return None if problems else flat_model(problems, root.attributes.get("name", "model"), found)
 
 
@@ -82,7 +77,8 @@ def _joint(
     if kind not in ("revolute", "continuous"):
         report(problems, element, f"a joint of type '{kind}'", "a definition has revolute ones")
     axis = element.first_child_with_tag("axis")
-    direction = geometry.vector(numbers(problems, axis, "xyz", 3) if axis else (1, 0, 0))
+    given = numbers(problems, axis, "xyz", 3) if axis else (1.0, 0.0, 0.0)
+    direction = unit_axis(problems, element, given)
     limit, dynamics = (element.first_child_with_tag(tag) for tag in ("limit", "dynamics"))
 
     def value(owner: XmlElement | None, name: str, default: float = 0.0) -> float:
@@ -93,7 +89,7 @@ def _joint(
         name=element.attributes.get("name", ""),
         parent=0,
         hinge=at.position,
-        axis=geometry.rotate(at.rotation, geometry.unit(direction)),
+        axis=geometry.rotate(at.rotation, direction),
         lower=value(limit, "lower") if is_limited else 0.0,
         upper=value(limit, "upper") if is_limited else -1.0,
         effort=value(limit, "effort"),
@@ -129,7 +125,7 @@ def _shapes(
     for number, element in enumerate(collisions):
         at, solid = origin_of(problems, element), _solid(problems, element)
         factor, material = 1.0, GREY
-        if is_paired:
+        if is_paired and solid.height > 0:
             factor = drawn_factor(solid, _solid(problems, visuals[number]))
             name = visuals[number].first_child_with_tag("material")
             material = materials.get(name.attributes.get("name", ""), GREY) if name else GREY

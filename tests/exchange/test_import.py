@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
+from random import Random
 
 import pytest
 
 from somo_cli.document.parse import parse
 from somo_cli.exchange import mjcf, sdf
 from somo_cli.exchange.imported import Imported, import_model, require_same
+from somo_cli.exchange.mjcf_scene import render_scene
 from somo_cli.manipulator import geometry
 from somo_cli.manipulator.chain import Chain
 from somo_cli.manipulator.compile import Compiled, compile_definition
@@ -26,7 +29,7 @@ from tests.builders.definitions import (
     hinge,
     manipulator,
 )
-from tests.builders.shipped import SHIPPED_CHAINS, shipped_document
+from tests.builders.shipped import SHIPPED_CHAINS, shipped_document, shipped_scene
 
 WRITERS: dict[str, Callable[[Compiled], str]] = {
     "mjcf": lambda one: mjcf.render_chain(one.chain, 1e-3),
@@ -145,6 +148,7 @@ def test_a_reference_angle_shifts_spring_and_limits() -> None:
         ("<joint/>", '<joint armature="0.1"/>', "armature has no place"),
         ("<joint/>", '<joint class="none"/>', "there is no class 'none'"),
         ('type="box" size="0.01 0.02 0.05"', 'type="capsule" size="1 1"', "geom of type 'capsule'"),
+        ("<joint/>", '<joint/><frame name="f"/>', "<frame> is not read"),
         ("mujoco", "model", "<model> is no model"),
         ("</mujoco>", "", "this is not XML"),
     ],
@@ -164,3 +168,77 @@ def test_a_definition_that_is_not_the_model_is_refused() -> None:
     with pytest.raises(InvalidFile) as caught:
         round_trip(changed)
     assert "no definition that somo can find" in caught.value.problems[0].message
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+def test_whatever_a_file_holds_it_is_read_or_refused(kind: str) -> None:
+    """Numbers, attributes and elements of a model are changed at random, by a seed."""
+    text = WRITERS[kind](compile_definition(shipped_document("planar_finger")))
+    random = Random(kind)
+    read = 0
+    for _ in range(60):
+        changed = damaged(text, random)
+        try:
+            round_trip(changed)
+        except InvalidFile:
+            continue  # any other error would end the test
+        read += 1
+    assert 5 < read < 55
+
+
+def damaged(text: str, random: Random) -> str:
+    """Return a text with one number replaced, or one attribute or element left out."""
+    patterns = (
+        (r'(?<=[ ">])-?\d[\d.e-]*(?=[ "<])', ("0", "-1", "x", "1e300", "1e-300", "1e19", "nan")),
+        (r' [a-z0-9_]+="[^"]*"', ("",)),
+        (r"\n *<[^<>/]*/>", ("",)),
+        (r"\n *<([a-z_]+)>[^<]*</\1>", ("",)),
+        (r'"[a-z_]+_[0-9a-z_]*"', ('"base"', '"actuator_0_segment_02"')),
+    )
+    pattern, replacements = random.choice(patterns)
+    places = list(re.finditer(pattern, text))
+    if not places:
+        return text
+    place = random.choice(places)
+    return text[: place.start()] + random.choice(replacements) + text[place.end() :]
+
+
+@pytest.mark.parametrize(
+    ("kind", "old", "new", "said"),
+    [
+        ("urdf", 'child link="actuator_0_segment_02"', 'child link="base"', "form a loop"),
+        (
+            "urdf",
+            'child link="actuator_0_segment_02"',
+            'child link="actuator_0_segment_01"',
+            "is the child of several joints",
+        ),
+        ("urdf", '<parent link="base"', '<parent link="none"', "is no link"),
+        ("urdf", 'type="revolute"', 'type="prismatic"', "a joint of type 'prismatic'"),
+        ("urdf", '<axis xyz="1 0 0"', '<axis xyz="0 0 0"', "has no length"),
+        ("sdf", "<parent>base</parent>", "<parent>none</parent>", "is no link"),
+        ("sdf", "<spring_stiffness>", "<spring_stiffness>-", "is negative"),
+        ("sdf", "</model>", '</model><model name="b"/>', "there are 2 models"),
+        ("sdf", 'type="revolute"', 'type="ball"', "a joint of type 'ball'"),
+    ],
+)
+def test_what_is_wrong_in_urdf_and_sdf_is_told(kind: str, old: str, new: str, said: str) -> None:
+    text = WRITERS[kind](compile_definition(shipped_document("planar_finger")))
+    assert old in text
+    with pytest.raises(InvalidFile) as caught:
+        round_trip(text.replace(old, new, 1))
+    assert any(said in problem.message for problem in caught.value.problems)
+
+
+def test_a_manipulator_of_a_scene_is_taken_by_name() -> None:
+    scene = shipped_scene("in_hand_scene")
+    text = render_scene(scene, "hand", 1e-3)
+    with pytest.raises(InvalidFile) as caught:
+        import_model(text, "model")
+    assert caught.value.problems[0].message == "the world has 4 bodies with hinges"
+    one = scene.manipulators[2]
+    found = import_model(text, "model", f"{one.name}.base")
+    chain = compile_definition(parse(found.text("model"), "found.yaml")).chain
+    require_same(found, chain, "model", text)
+    ours = one.compiled.chain
+    assert [joint.stiffness for joint in chain.joints] == [joint.stiffness for joint in ours.joints]
