@@ -418,3 +418,13 @@ def test_a_fit_can_be_interrupted(here: Path, environment: dict[str, str]) -> No
         ended = end_by(process, signal.SIGINT)
     assert ended == (130, "", "somo: interrupted\n")
     assert (here / "finger.yaml").read_bytes() == before
+
+
+def test_a_modulus_takes_the_section_of_the_definition(somo: Somo) -> None:
+    finger = DEFINITIONS / "finger.yaml"  # 23 mm by 17 mm
+    asked = ("calibrate", "stiffness", finger, "--modulus", "5e5", "--json")
+    found, drawn = somo(*asked), somo(*asked, "--section", "box:0.023,0.017")
+    assert (found.returncode, found.stdout) == (0, drawn.stdout)
+    bare = somo("calibrate", "stiffness", "--length", "0.1", "--joints", "5", "--modulus", "5e5")
+    assert bare.returncode == 2
+    assert "it goes with --modulus" in bare.stderr

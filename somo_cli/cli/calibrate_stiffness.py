@@ -39,6 +39,7 @@ from somo_cli.cli.calibrate_result import write_result
 
 if TYPE_CHECKING:
     from somo_cli.calibration.moment_arms import MomentArms
+    from somo_cli.manipulator.definition import Definition
 
 
 @calibrate.command(
@@ -67,7 +68,11 @@ def stiffness(
     ] = None,
     modulus: Annotated[
         float | None,
-        typer.Option("--modulus", metavar="E", help="Young's modulus [Pa], with --section."),
+        typer.Option(
+            "--modulus",
+            metavar="E",
+            help="Young's modulus [Pa], with --section, or of the section in the definition.",
+        ),
     ] = None,
     section: Annotated[
         str | None,
@@ -137,6 +142,9 @@ def stiffness(
     )
     moment_arms = known.moment_arms
     own = first_joint_stiffness(known.definition, actuator, axis)
+    is_drawn = modulus is not None and section is None and bore is None
+    if is_drawn and known.definition is not None:
+        section = _section_of_file(known.definition, actuator)
     wanted = _wanted(moment_arms, own, tip_stiffness, rigidity, modulus, section, bore, poisson)
     is_known = which == "exact" or moment_arms.kind == "bending"
     require(is_known, "--rule", "SoMo has no formula for torsion")
@@ -190,6 +198,18 @@ def _wanted(
         assert own is not None
         return moment_arms.tip_stiffness(own)
     return moment_arms.tip_stiffness_of_beam(rigidity)
+
+
+def _section_of_file(definition: "Definition", actuator: int) -> str:
+    """Return the section of the links of an actuator, as `--section` takes it."""
+    from somo_cli.manipulator.solids import Box, Cylinder
+
+    solid = definition.actuators[actuator].link.solid
+    if isinstance(solid, Box):
+        return f"box:{solid.size[0]!r},{solid.size[1]!r}"
+    is_round = isinstance(solid, Cylinder)
+    require(is_round, "--section", "the links are spheres, which have none: give it")
+    return f"disc:{solid.radius!r}"
 
 
 def _moment(moment_arms: "MomentArms", section: str, bore: str | None, poisson: float) -> float:
