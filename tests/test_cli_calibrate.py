@@ -321,7 +321,6 @@ TIP = ("calibrate", "stiffness", "finger.yaml")
     [
         ((*TIP, "--tip-stiffness", "-6.12"), "-6.12 is not greater than 0, and finite"),
         ((*TIP, "--tip-stiffness", "1", "--rigidity", "1"), "give one of --tip-stiffness"),
-        ((*TIP, "--modulus", "1e6"), "it goes with --modulus"),
         ((*TIP, "--modulus", "1e6", "--section", "bx:1"), "'bx:1' is not a known shape"),
         ((*TIP, "--axis", "2", "--tip-stiffness", "1"), "axis 2 of actuator 0 does not exist"),
         ((*TIP, "--actuator", "1", "--tip-stiffness", "1"), "there is no actuator 1"),

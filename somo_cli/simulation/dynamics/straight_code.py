@@ -39,12 +39,8 @@ class StraightCode:
         name = f"v{len(self._lines)}"
         text = ""
         for coefficient, names in kept:
-            if not math.isfinite(coefficient):
-                raise ValueError(f"a coefficient is {coefficient}, but must be finite")
             sign = "-" if coefficient < 0 else "+" if text else ""
-            size = abs(coefficient)
-            factors = list(names) if size == 1 and names else [repr(size), *names]
-            text += f" {sign} " + " * ".join(factors)
+            text += f" {sign} {_product(abs(coefficient), names)}"
         self.add(f"{name} = {text.strip()}")
         return name
 
@@ -102,3 +98,10 @@ class StraightCode:
         exec(f"def written({arguments}):\n    {body}\n", names)
         found: Callable[..., Any] = names["written"]
         return found
+
+
+def _product(size: float, names: Sequence[str]) -> str:
+    """Return a product as it is written; raises ValueError for a size that is not finite."""
+    if not math.isfinite(size):
+        raise ValueError(f"a coefficient is {size}, but must be finite")
+    return " * ".join(names if size == 1 and names else [repr(size), *names])
