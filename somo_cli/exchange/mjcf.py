@@ -57,6 +57,8 @@ def new_model(
     ET.SubElement(default, "geom", contype=contype, conaffinity=conaffinity)
     ET.SubElement(default, "site", size="0.001", group="4")
     assets = ET.SubElement(root, "asset")
+    sky = {"type": "skybox", "builtin": "gradient", "width": "64", "height": "64"}
+    ET.SubElement(assets, "texture", sky, name="sky", rgb1="0.9 0.95 1", rgb2="0.6 0.7 0.8")
     world = ET.SubElement(root, "worldbody")
     ET.SubElement(world, "light", pos="0 0 3", dir="0 0 -1", type="directional")
     return root, world, assets
