@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Literal, TypeAlias
 
@@ -36,14 +36,16 @@ def load(
     sets: Sequence[str] = (),
     allow_outside: bool = False,
     packages: Packages | None = None,
+    announce: Callable[[str], None] | None = None,
 ) -> Document:
     """Return a definition or scene with the files that it names, its values overridden by `sets`.
 
     Files must lie in the folder of the file that names them, or below, unless `allow_outside`.
     Names that start with package:// or model:// lie in the folders of `packages`. Raises OSError,
-    and InvalidFile with all problems of the document if a file cannot be included.
+    and InvalidFile with all problems of the document if a file cannot be included. `announce` takes
+    a message before each decomposition of a mesh.
     """
-    return load_text(files.read_text(path), path, sets, allow_outside, packages)
+    return load_text(files.read_text(path), path, sets, allow_outside, packages, announce)
 
 
 def load_text(
@@ -52,10 +54,11 @@ def load_text(
     sets: Sequence[str] = (),
     allow_outside: bool = False,
     packages: Packages | None = None,
+    announce: Callable[[str], None] | None = None,
 ) -> Document:
     """Return what `load` does, from a text; the files that it names are relative to `source`."""
-    document = _with_parts(parse(text, source), allow_outside, packages or {})
-    return with_overrides(document, sets, allow_outside, packages)
+    document = _with_parts(parse(text, source), allow_outside, packages or {}, announce)
+    return with_overrides(document, sets, allow_outside, packages, announce)
 
 
 def with_overrides(
@@ -63,10 +66,12 @@ def with_overrides(
     sets: Sequence[str],
     allow_outside: bool = False,
     packages: Packages | None = None,
+    announce: Callable[[str], None] | None = None,
 ) -> Document:
     """Return a loaded document with values overridden by `sets`; raises what `load` raises."""
     for assignment in sets:
-        document = _with_parts(override(document, assignment), allow_outside, packages or {})
+        changed = override(document, assignment)
+        document = _with_parts(changed, allow_outside, packages or {}, announce)
     return document
 
 
@@ -184,19 +189,27 @@ def _with_chosen_step(found: Scene, document: Document) -> Scene:
     return dataclasses.replace(found, time_step=step, expected_tip_error=tip_error)
 
 
-def _convex_pieces(text: str, source: str) -> str | None:
+def _convex_pieces(announce: Callable[[str], None] | None, text: str, source: str) -> str | None:
     # slow to import, and few scenes need it before they run
     from somo_cli.scene.mesh import triangles_as_obj
     from somo_cli.scene.mesh_parts import MeshError
     from somo_cli.simulation.engine.bullet.convex_decomposition import convex_pieces
 
     try:
-        return convex_pieces(triangles_as_obj(text, source))
+        triangles = triangles_as_obj(text, source)
+        if announce is not None:
+            announce(f"decomposing {source} into convex parts, which may take half a minute")
+        return convex_pieces(triangles)
     except MeshError:
         return None  # the checks of meshes report it
 
 
-def _with_parts(document: Document, allow_outside: bool, packages: Packages) -> Document:
+def _with_parts(
+    document: Document,
+    allow_outside: bool,
+    packages: Packages,
+    announce: Callable[[str], None] | None,
+) -> Document:
     is_scene = scene_model.is_scene(document)
     places = scene_model.FILE_POINTERS if is_scene else compiler.FILE_POINTERS
     open_text = partial(open_reference, packages, is_outside_allowed=allow_outside)
@@ -205,7 +218,7 @@ def _with_parts(document: Document, allow_outside: bool, packages: Packages) -> 
         document, of_objects = object_files.include_object_files(document, open_text)
         document, of_motions = motion_files.include_motion_files(document, open_text)
         problems += (*of_objects, *of_motions)
-        document = object_files.with_pieces(document, _convex_pieces)
+        document = object_files.with_pieces(document, partial(_convex_pieces, announce))
     if problems:
         raise InvalidFile([*problems, *check(document)], document.texts)
     return document

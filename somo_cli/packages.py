@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,10 +14,14 @@ Packages = Mapping[str, str]
 
 
 class Access(NamedTuple):
-    """The files that may be read besides those in the folder of the file that names them."""
+    """The files that may be read besides those in the folder of the file that names them.
+
+    `announce` takes a message before work that takes seconds.
+    """
 
     allow_outside: bool = False
     packages: Packages | None = None
+    announce: Callable[[str], None] | None = None
 
 
 _REFERENCE = re.compile(r"(?:package|model)://([^/]+)/(.+)")

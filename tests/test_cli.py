@@ -189,6 +189,18 @@ def test_check_as_json(somo: Somo, here: Path) -> None:
     assert (fine.returncode, json.loads(fine.stdout), fine.stderr) == (0, [], "")
 
 
+@pytest.mark.slow
+def test_a_decomposition_is_announced_once(somo: Somo) -> None:
+    pytest.importorskip("pybullet")
+    scene = Path(__file__).parent / "objects" / "inputs" / "trough_mesh.yaml"
+    sets = ("--set", "objects[0].hulls=decompose", "--set", "time_step=0.002")
+    ended = somo("columns", scene, *sets)
+    assert ended.returncode == 0
+    (line,) = ended.stderr.splitlines()
+    assert line.startswith("somo: decomposing ")
+    assert line.endswith(" into convex parts, which may take half a minute")
+
+
 # --- build
 
 

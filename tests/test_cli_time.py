@@ -114,3 +114,13 @@ def test_films_take_the_duration_of_their_scene(somo: Somo, tmp_path: Path) -> N
     by_until = tmp_path / "until.gif"
     somo("render", SCENE, "--until", "0.1", *size, "-o", str(by_until))
     assert film.read_bytes() == by_until.read_bytes()
+
+
+def test_a_report_counts_steps_of_its_scene(somo: Somo) -> None:
+    far_apart = ("report", SCENE, "--time-steps", "0.01,0.02")
+    said = [somo(*far_apart, *time).stderr for time in (("--steps", "40"), ("--duration", "0.04"))]
+    assert said[0] == said[1]
+    assert "2 times in 0.04 s" in " ".join(said[0].split())
+    both = somo(*far_apart, "--steps", "40", "--duration", "0.04")
+    assert (both.returncode, both.stdout) == (2, "")
+    assert "it excludes --steps" in " ".join(both.stderr.split())

@@ -171,9 +171,22 @@ def access_of(allow_outside: bool, package: list[str] | None) -> "Access":
     from somo_cli import packages
 
     try:
-        return packages.Access(allow_outside, packages.read_packages(package or []))
+        known = packages.read_packages(package or [])
     except ValueError as error:
         raise typer.BadParameter(str(error), param_hint="'--package'") from None
+    return packages.Access(allow_outside, known, announcer())
+
+
+def announcer() -> Callable[[str], None]:
+    """Return a function that prints a message the first time that it is given."""
+    printed: set[str] = set()
+
+    def announce(message: str) -> None:
+        if message not in printed:
+            printed.add(message)
+            terminal.print_message(f"somo: {message}")
+
+    return announce
 
 
 def require_few_steps(steps: float, option: str) -> None:

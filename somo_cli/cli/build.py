@@ -8,6 +8,7 @@ from somo_cli import output_files, terminal
 from somo_cli.cli.application import (
     QuietOption,
     SetOption,
+    announcer,
     app,
     examples_of,
     report_errors,
@@ -97,7 +98,7 @@ def build(
     require(is_name, "--tip-frame", f"{tip_frame!r} is not a safe name")
     target = build_model.target_of(format_name, program)
     wanted = build_model.Wanted(target, scale, tip_frame, is_free)
-    document = loading.load(definition, sets or [])
+    document = loading.load(definition, sets or [], announce=announcer())
     is_whole = is_scene(document)
     if target.format == "urdf":
         document_kinds.refuse_scene(document)

@@ -33,7 +33,7 @@ from somo_cli.cli.report_options import (
     integrators_of,
     time_steps_of,
 )
-from somo_cli.cli.simulated_time import check_time_options
+from somo_cli.cli.simulated_time import StepsOption, check_time_options, parse_steps
 from somo_cli.problems import ExtraMissing, InvalidFile, Problem
 
 if TYPE_CHECKING:
@@ -54,6 +54,7 @@ DEFAULT_DURATION = 1.0  # s
 @report_errors
 def report(
     scene: Annotated[str, typer.Argument(help="A scene, or a definition to run by itself.")],
+    steps: StepsOption = None,
     duration: Annotated[
         float | None,
         typer.Option(
@@ -129,7 +130,7 @@ def report(
     from somo_cli.simulation.metadata import provenance
 
     budget = budget_of(max_seconds, max_memory)
-    check_time_options(None, duration)
+    check_time_options(steps, duration)
     require(0 < target < 1, "--target", f"{target} is not between 0 and 1")
     document = loading.load(scene, sets or [], *access_of(allow_outside, package))
     planned, warnings = loading.scene_of(document)
@@ -138,13 +139,13 @@ def report(
         document, planned, "the report measures errors of tips; run --error measures objects"
     )
     loading.refuse_overlaps(document, planned)
-    simulated = duration if duration is not None else planned.duration or DEFAULT_DURATION
-    steps = time_steps_of(time_steps, planned.time_step)
+    simulated = _simulated_time(steps, duration, planned)
+    sizes = time_steps_of(time_steps, planned.time_step)
     settings = StudySettings(
-        steps,
+        sizes,
         integrators_of(integrators),
         counts_of(segments),
-        instants_of(steps, simulated),
+        instants_of(sizes, simulated),
         repeats,
     )
     require_few_steps(total_steps(settings), "--duration")
@@ -165,6 +166,15 @@ def report(
     if not quiet:
         kinds = ", ".join(f"report.{kind}" for kind in ("csv", "json", *pictures))
         terminal.print_message(f"{folder}: {kinds}")
+
+
+def _simulated_time(steps: str | None, duration: float | None, scene: "Scene") -> float:
+    """Return the simulated time [s]; --steps counts steps of the scene."""
+    number = parse_steps(steps)
+    if number is not None:
+        require(number > 0, "--steps", "a report needs at least one")
+        return number * scene.time_step
+    return duration if duration is not None else scene.duration or DEFAULT_DURATION
 
 
 def _lines(study: "Study", target: float) -> Iterator[str]:

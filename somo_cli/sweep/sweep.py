@@ -34,7 +34,9 @@ class LoadedStudy:
     def runner(self, folder: str) -> StudyRunner:
         """Return what runs its sets; trajectories go to the folder."""
         study = dataclasses.replace(self.study, points=())
-        return StudyRunner(study, self.scene, folder, *self.access)
+        return StudyRunner(
+            study, self.scene, folder, self.access.allow_outside, self.access.packages
+        )
 
 
 def load(path: str, sets: Sequence[str], access: Access) -> LoadedStudy:

@@ -20,7 +20,8 @@ def convex_pieces(triangles: str) -> str | None:
     The same triangles give the same text. Lengths are those of the triangles.
     """
     try:
-        bullet = import_pybullet()
+        with captured_output():  # it prints when it was built
+            bullet = import_pybullet()
     except EngineMissing:
         return None
     lines = triangles.splitlines()
