@@ -137,7 +137,8 @@ def _problems_of(
     from somo_cli.sweep import sweep
 
     try:
-        return (), sweep.load(path, (), access).texts
+        loaded = sweep.load(path, (), access)
+        return loaded.warnings, loaded.texts
     except InvalidFile as error:
         return error.problems, error.texts
 

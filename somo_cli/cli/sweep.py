@@ -117,6 +117,7 @@ def sweep(
     from somo_cli.sweep.results import FILES, Results
 
     loaded = sweeps.load(study, sets or [], access_of(allow_outside, package))
+    terminal.print_problems(loaded.warnings, loaded.texts)
     workers = jobs or available_cores()
     if only_checks:
         raise typer.Exit(_checked(loaded, workers))

@@ -30,6 +30,8 @@ class LoadedStudy:
     texts: Mapping[str, str]
     about: Mapping[str, Any]
     access: Access
+    warnings: Sequence[Problem] = ()
+    """About the scene as it is written, before parameters are set."""
 
     def runner(self, folder: str) -> StudyRunner:
         """Return what runs its sets; trajectories go to the folder."""
@@ -52,11 +54,13 @@ def load(path: str, sets: Sequence[str], access: Access) -> LoadedStudy:
     folder = Path(path).parent
     source, text = _named_file(document, ("scene",), path, access)
     scene = loading.as_scene(loading.load_text(text, source, sets, *access))
-    found, _ = loading.scene_of(scene)
+    found, warnings = loading.scene_of(scene)
     table = _table(document, data.get("combine"), path, access)
     study = reader.read_study(document, scene, found, table)
     texts = {**document.texts, **scene.texts, **({} if table is None else table.texts)}
-    return LoadedStudy(study, scene, texts, _about(study, data, texts, sets, folder), access)
+    return LoadedStudy(
+        study, scene, texts, _about(study, data, texts, sets, folder), access, warnings
+    )
 
 
 def run(

@@ -263,3 +263,17 @@ def test_errors_are_what_half_the_step_changes(somo: Somo, here: Path) -> None:
     for row, half in zip(rows, table(here / "finer"), strict=True):
         assert float(row["most_error"]) == abs(float(row["most"]) - float(half["most"])) > 0
         assert (row["is_short_error"], row["end_error"]) == ("false", "0.0")
+
+
+@pytest.mark.moderate
+def test_warnings_about_the_scene_are_said_once(somo: Somo, here: Path) -> None:
+    load = "    loads: [{link: tip, force: [0, 0, 0]}]\n"
+    scene = (here / "scene.yaml").read_text("utf-8")
+    place = scene.index("    actuation:")
+    (here / "scene.yaml").write_text(scene[:place] + load + scene[place:], "utf-8")
+    swept = somo("sweep", "study.yaml", "--dry-run", cwd=here)
+    checked = somo("check", "study.yaml", cwd=here)
+    assert (swept.returncode, checked.returncode) == (0, 0)
+    for told in (swept.stderr, checked.stderr):
+        assert told.count("warning: this load is zero at all times") == told.count("warning:") == 1
+    assert somo("check", "--strict", "study.yaml", cwd=here).returncode == 1
