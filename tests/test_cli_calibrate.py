@@ -427,3 +427,22 @@ def test_a_modulus_takes_the_section_of_the_definition(somo: Somo) -> None:
     bare = somo("calibrate", "stiffness", "--length", "0.1", "--joints", "5", "--modulus", "5e5")
     assert bare.returncode == 2
     assert "it goes with --modulus" in bare.stderr
+
+
+def test_measurements_may_be_in_the_units_of_a_lab(somo: Somo, tmp_path: Path) -> None:
+    rows = [(2e4, 0.14), (4e4, 0.31), (6e4, 0.44), (8e4, 0.61), (1e5, 0.75)]
+    lab = "".join(f"{pressure / 1e3!r},{force * 1e3!r}\n" for pressure, force in rows)
+    own = "".join(f"{pressure!r},{force!r}\n" for pressure, force in rows)
+    (tmp_path / "lab.csv").write_text("pressure_kpa,force_mn\n" + lab, "utf-8")
+    (tmp_path / "si.csv").write_text("pressure_pa,force_n\n" + own, "utf-8")
+    asked = ("calibrate", "torque", DEFINITIONS / "finger.yaml", "--json", "--data")
+    converted, plain = somo(*asked, "lab.csv"), somo(*asked, "si.csv")
+    assert converted.returncode == plain.returncode == 0
+    assert converted.stderr.splitlines()[:2] == [
+        "somo: lab.csv: pressure_kpa is taken as pressure_pa, times 1000",
+        "somo: lab.csv: force_mn is taken as force_n, times 0.001",
+    ]
+    found, known = json.loads(converted.stdout)["points"], json.loads(plain.stdout)["points"]
+    assert len(found) == len(known) == 5
+    for one, other in zip(found, known, strict=True):
+        assert one == pytest.approx(other, rel=1e-12)

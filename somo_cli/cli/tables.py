@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from somo_cli import files
+from somo_cli import files, terminal
 from somo_cli.problems import InvalidFile, Problem
 
 if TYPE_CHECKING:
@@ -21,12 +21,18 @@ def read_table_file(path: str) -> "Table":
 
 
 def read_measurements(path: str) -> "Table":
-    """Return a CSV of measured numbers; a column of nothing but tiny ones is refused.
+    """Return a CSV of measured numbers in SI; a column of nothing but tiny ones is refused.
+
+    Columns in kPa, mN, mm, degrees and such are converted, which is said.
 
     Squares of numbers below `SMALLEST` leave the range of floats, and no sensor tells them from
     zero. Raises OSError and InvalidFile.
     """
-    table = read_table_file(path)
+    from somo_cli.document.table_units import in_si
+
+    table, converted = in_si(read_table_file(path))
+    for text in converted:
+        terminal.print_message(f"somo: {path}: {text}")
     problems = [
         Problem(
             table.header_span(name),

@@ -1,10 +1,12 @@
 from __future__ import annotations
 
+import math
 import time
 
 import pytest
 
 from somo_cli.document.table import MAX_PROBLEMS, Table, read_table, require_columns, table_problems
+from somo_cli.document.table_units import in_si
 from somo_cli.problems import InvalidFile, Problem, Span
 
 POINT = "are these decimal commas? write 0.5, not 0,5"
@@ -220,3 +222,24 @@ def test_all_that_is_not_as_required_is_raised_together() -> None:
     assert table_problems(table("t\n1\n"), (), None, 2, "a fit") == [
         Problem(at(1, 1), "1 row, but a fit needs at least 2")
     ]
+
+
+def test_units_of_labs_are_converted() -> None:
+    text = "time_ms,pressure_kpa,tip.x_mm,bend_deg,force_mn,force_n\n10,20,1.5,90,2,3\n"
+    table, done = in_si(read_table(text, "lab.csv"))
+    assert table.names == ("time_s", "pressure_pa", "tip.x_m", "bend_rad", "force_mn", "force_n")
+    (row,) = zip(*table.columns.values(), strict=True)
+    found = dict(zip(table.columns, row, strict=True))
+    assert found == pytest.approx(
+        {
+            "time_s": 0.01,
+            "pressure_pa": 2e4,
+            "tip.x_m": 1.5e-3,
+            "bend_rad": math.pi / 2,
+            "force_mn": 2,  # there is a force_n as well
+            "force_n": 3,
+        }
+    )
+    assert done[1] == "pressure_kpa is taken as pressure_pa, times 1000"
+    assert table.header_span("pressure_pa").column == 9
+    assert in_si(table) == (table, [])
