@@ -196,6 +196,10 @@ class ExtraMissing(SomoError):
     """An optional package is not installed."""
 
 
+class ClusterFailed(SomoError):
+    """A cluster cannot be reached, was lost, or has another version of the package."""
+
+
 class EngineMissing(SomoError):
     """The engine is not installed."""
 

@@ -29,7 +29,7 @@ CALLS = {"eval", "exec", "__import__", "os.system", "os.popen", "yaml.unsafe_loa
 def dependencies() -> list[str]:
     text = re.sub(r"^ *#.*$", "", PROJECT, flags=re.MULTILINE)
     needed = text.split("\ndependencies = [")[1].split("\n]")[0]
-    extras = re.findall(r"^(?:film|plot) = \[(.*)\]", PROJECT, re.MULTILINE)
+    extras = re.findall(r"^(?:film|plot|cluster) = \[(.*)\]", PROJECT, re.MULTILINE)
     return re.findall(r'"([^"]+)"', "\n".join([needed, *extras]))
 
 

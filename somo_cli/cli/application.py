@@ -11,6 +11,7 @@ from somo_cli import __version__, files, terminal
 from somo_cli.budget import Budget, most_memory
 from somo_cli.problems import (
     BudgetSpent,
+    ClusterFailed,
     EngineMissing,
     ExtraMissing,
     InvalidFile,
@@ -138,7 +139,8 @@ def _reported_user_error(error: SomoError) -> int:
     terminal.print_message(f"somo: {error}")
     if isinstance(error, BudgetSpent):
         return 6
-    return 5 if isinstance(error, EngineMissing | ExtraMissing) else 3
+    is_outside = isinstance(error, ClusterFailed | EngineMissing | ExtraMissing)
+    return 5 if is_outside else 3
 
 
 def _print_version(is_asked: bool) -> None:

@@ -20,7 +20,7 @@ from somo_cli.cli.application import (
     require,
 )
 from somo_cli.cli.outputs import refuse_unsafe
-from somo_cli.problems import counted
+from somo_cli.problems import ClusterFailed, counted
 
 if TYPE_CHECKING:
     from somo_cli.sweep.results import Results
@@ -50,6 +50,15 @@ def sweep(
             metavar="FOLDER",
             help="Folder for results.csv, study.json, logs and trajectories. [default: the name of "
             "the study with _results, in the current directory]",
+        ),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            "--scheduler",
+            metavar="ADDRESS",
+            help="Run on the Dask cluster of this scheduler, such as tcp://10.0.0.1:8786, in place "
+            "of processes of this machine. Its workers need the same somo.",
         ),
     ] = None,
     resumes: Annotated[
@@ -111,6 +120,7 @@ def sweep(
     """
     require(resumes or not retries, "--retry-failed", "it is for --resume")
     require(best is not None or where is None, "--where", "it is for --best")
+    require(scheduler is None or jobs is None, "--jobs", "it is for this machine, not a cluster")
     part = _shard(shard)
     from somo_cli.sweep import sweep as sweeps
     from somo_cli.sweep.pool import available_cores
@@ -118,6 +128,9 @@ def sweep(
 
     loaded = sweeps.load(study, sets or [], access_of(allow_outside, package))
     terminal.print_problems(loaded.warnings, loaded.texts)
+    is_timed = loaded.study.time_out is not None
+    hint = "the study has a time_out, which works on this machine alone"
+    require(scheduler is None or not is_timed, "--scheduler", hint)
     workers = jobs or available_cores()
     if only_checks:
         raise typer.Exit(_checked(loaded, workers))
@@ -131,7 +144,7 @@ def sweep(
         results.take(other)
     with results:
         if merge is None:
-            _run_missing(loaded, results, numbers, workers)
+            _run_missing(loaded, results, numbers, workers, scheduler)
     if not quiet:
         terminal.print_message(_summary(folder, results, len(loaded.study.points)))
     if best is not None:
@@ -141,7 +154,11 @@ def sweep(
 
 
 def _run_missing(
-    loaded: "LoadedStudy", results: "Results", numbers: Sequence[int], workers: int
+    loaded: "LoadedStudy",
+    results: "Results",
+    numbers: Sequence[int],
+    workers: int,
+    scheduler: str | None,
 ) -> None:
     """Run what has no outcome; say how an interrupted sweep goes on."""
     from somo_cli.sweep import sweep as sweeps
@@ -150,8 +167,8 @@ def _run_missing(
     total = sum(number not in results.outcomes for number in numbers)
     try:
         with _progress(total, before) as advance:
-            sweeps.run(loaded, results, numbers, workers, advance)
-    except KeyboardInterrupt:
+            sweeps.run(loaded, results, numbers, workers, advance, scheduler)
+    except (KeyboardInterrupt, ClusterFailed):
         done = counted(len(results.outcomes), "run")
         terminal.print_message(f"somo: {results.folder} has {done}; go on with --resume")
         raise

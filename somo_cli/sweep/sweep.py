@@ -15,6 +15,7 @@ from somo_cli.document.table import Table, read_table
 from somo_cli.packages import Access
 from somo_cli.problems import InvalidFile, Pointer, Problem
 from somo_cli.sweep import reader
+from somo_cli.sweep.cluster import ClusterPool
 from somo_cli.sweep.one_run import Outcome, StudyRunner
 from somo_cli.sweep.pool import Pool
 from somo_cli.sweep.results import Results
@@ -69,20 +70,30 @@ def run(
     numbers: Sequence[int],
     workers: int,
     advance: Callable[[Results], None],
+    scheduler: str | None = None,
 ) -> None:
-    """Run the sets of these numbers that have no outcome, in worker processes.
+    """Run the sets of these numbers that have no outcome, in worker processes or on a cluster.
 
-    `advance` is called after each, with the results so far. Raises OSError if they cannot be kept.
+    `advance` is called after each, with the results so far; `scheduler` is the address of a Dask
+    scheduler. Raises OSError if results cannot be kept, and ClusterFailed.
     """
     study = loaded.study
     left = [number for number in numbers if number not in results.outcomes]
     if not left:
         return
     runner = loaded.runner(results.folder)
-    with Pool(runner, min(workers, len(left)), study.time_out) as pool:
+    with _pool(runner, min(workers, len(left)), study.time_out, scheduler) as pool:
         for number, outcome in pool.outcomes((one, study.points[one]) for one in left):
             results.add(number, outcome)
             advance(results)
+
+
+def _pool(
+    runner: StudyRunner, workers: int, time_out: float | None, scheduler: str | None
+) -> Pool | ClusterPool:
+    if scheduler is None:
+        return Pool(runner, workers, time_out)
+    return ClusterPool(runner, scheduler)
 
 
 def check(loaded: LoadedStudy, workers: int, advance: Callable[[int], None]) -> dict[int, Outcome]:

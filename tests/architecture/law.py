@@ -107,6 +107,7 @@ KNOWS: dict[str, set[str]] = {
 
 HOMES: dict[str, tuple[str, ...]] = {
     "csv": ("analysis.study_export", "sweep.results"),
+    "distributed": ("sweep.cluster",),
     "imageio_ffmpeg": ("picture.film",),
     "jsonschema": ("document.schemas", "document.schema_errors", "document.validate"),
     "matplotlib": ("picture.", "plot."),
@@ -144,6 +145,7 @@ HOMES: dict[str, tuple[str, ...]] = {
 """Every library that is not the interpreter's own, and the standard ones that are a format."""
 
 HEAVY = {
+    "distributed",
     "imageio_ffmpeg",
     "matplotlib",
     "numpy",
