@@ -128,9 +128,7 @@ def test_no_command_at_all_shows_the_help(somo: Somo) -> None:
         ("run", "smallest.yaml", "--steps", "1"),
     ],
 )
-@pytest.mark.parametrize(
-    "loud", [{"FORCE_COLOR": "1", "CLICOLOR_FORCE": "1"}, {"GITHUB_ACTIONS": "true", "CI": "1"}]
-)
+@pytest.mark.parametrize("loud", [{"CLICOLOR_FORCE": "1"}, {"GITHUB_ACTIONS": "true", "CI": "1"}])
 def test_no_colour_goes_into_a_pipe(
     somo: Somo, here: Path, arguments: tuple[str, ...], loud: dict[str, str]
 ) -> None:
@@ -252,8 +250,9 @@ def test_a_file_that_cannot_be_read_or_written(
     ended = somo(*arguments)
     plain(ended)
     assert (ended.returncode, ended.stdout) == (5, "")
-    assert ended.stderr.startswith(f"somo: {about}: ")
-    assert ended.stderr.count("\n") == 1
+    *warnings, last = ended.stderr.splitlines()
+    assert last.startswith(f"somo: {about}: ")
+    assert warnings == [] or "warning: nothing moves" in warnings[0]  # smallest.yaml stands still
     assert names(here) == before
 
 

@@ -58,8 +58,8 @@ class Documents:
             path.write_text(self.texts[name], "utf-8", "surrogateescape", newline="")
 
     def kind(self, name: str) -> str:
-        """Return what a document is as it was shipped: scene, trajectory or definition."""
-        kinds = {"scene": "manipulators|objects", "trajectory": "settings"}
+        """Return what a document is as it was shipped: study, scene, trajectory or definition."""
+        kinds = {"study": "labels", "scene": "manipulators|objects", "trajectory": "settings"}
         for kind, keys in kinds.items():
             if re.search(rf"^(?:{keys}):", self.texts[name], re.MULTILINE):
                 return kind
