@@ -120,7 +120,6 @@ def sweep(
     """
     require(resumes or not retries, "--retry-failed", "it is for --resume")
     require(best is not None or where is None, "--where", "it is for --best")
-    require(scheduler is None or jobs is None, "--jobs", "it is for this machine, not a cluster")
     part = _shard(shard)
     from somo_cli.sweep import sweep as sweeps
     from somo_cli.sweep.pool import available_cores
@@ -128,9 +127,8 @@ def sweep(
 
     loaded = sweeps.load(study, sets or [], access_of(allow_outside, package))
     terminal.print_problems(loaded.warnings, loaded.texts)
-    is_timed = loaded.study.time_out is not None
-    hint = "the study has a time_out, which works on this machine alone"
-    require(scheduler is None or not is_timed, "--scheduler", hint)
+    if scheduler is not None:
+        _require_for_cluster(loaded, jobs)
     workers = jobs or available_cores()
     if only_checks:
         raise typer.Exit(_checked(loaded, workers))
@@ -140,9 +138,7 @@ def sweep(
     results = Results(folder, loaded.study, loaded.about, resumes or merge is not None)
     if retries:
         results.forget_failures()
-    for other in merge or ():
-        results.take(other)
-    with results:
+    with results.taking(merge or ()):
         if merge is None:
             _run_missing(loaded, results, numbers, workers, scheduler)
     if not quiet:
@@ -151,6 +147,13 @@ def sweep(
         _print_best(loaded, results, best, where)
     if results.failures:
         raise typer.Exit(1)
+
+
+def _require_for_cluster(loaded: "LoadedStudy", jobs: int | None) -> None:
+    """Exit with a usage error for what works on this machine alone."""
+    require(jobs is None, "--jobs", "it is for this machine, not a cluster")
+    hint = "the study has a time_out, which works on this machine alone"
+    require(loaded.study.time_out is None, "--scheduler", hint)
 
 
 def _run_missing(

@@ -24,6 +24,7 @@ from somo_cli.scene.model import (
     NEUTRAL,
     ExternalLoad,
     Manipulator,
+    Quantity,
     Scene,
 )
 from somo_cli.scene.prescribed_motion import read_motion, start_pose_of
@@ -72,7 +73,7 @@ def read_scene(document: Document, definitions: DefinitionCompiler | None = None
         manipulators=manipulators,
         every=int(record.get("every", 1)),
         columns=tuple(
-            dict.fromkeys(record.get("columns", ALL_QUANTITIES if only else DEFAULT_QUANTITIES))
+            dict.fromkeys(record.get("columns", ALL_QUANTITIES if only else _default_columns(data)))
         ),
         reference=data.get("reference"),
         ground=contact_surface.read_ground(data["ground"]) if "ground" in data else None,
@@ -86,6 +87,25 @@ def read_scene(document: Document, definitions: DefinitionCompiler | None = None
         is_time_step_automatic=is_chosen,
         duration=float(data["duration"]) if "duration" in data else None,
     )
+
+
+def _default_columns(data: Any) -> tuple[Quantity, ...]:
+    """Return what is recorded of manipulators where a scene does not say it.
+
+    A base that can move is needed to draw the run, and contact is what a scene with a ground or
+    objects is about.
+    """
+    bases = [item.get("base", "static") for item in data.get("manipulators", ())]
+    moves = any(base == "free" for base in bases) or any(
+        "motion" in item for item in data.get("manipulators", ())
+    )
+    touches = "ground" in data or any(
+        item.get("collides", True) for item in data.get("objects", ())
+    )
+    found = list(DEFAULT_QUANTITIES)
+    found += ["base_pose"] if moves else []
+    found += ["contact_force"] if touches else []
+    return tuple(found)
 
 
 def _manipulator(

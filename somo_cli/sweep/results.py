@@ -10,7 +10,7 @@ import csv
 import io
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -77,11 +77,13 @@ class Results:
         """The number of runs that failed."""
         return sum(not one.is_good for one in self.outcomes.values())
 
-    def take(self, folder: str) -> None:
-        """Add the results of another folder of the same study. Raises OtherStudy and OSError."""
-        if not (Path(folder) / ABOUT).exists():
-            raise OtherStudy(f"{folder} has no results of a sweep")
-        self._take_up(Path(folder))
+    def taking(self, folders: Sequence[str]) -> Results:
+        """Add the results of other folders of the same study. Raises OtherStudy and OSError."""
+        for folder in folders:
+            if not (Path(folder) / ABOUT).exists():
+                raise OtherStudy(f"{folder} has no results of a sweep")
+            self._take_up(Path(folder))
+        return self
 
     def forget_failures(self) -> None:
         """Have the runs that failed done again."""

@@ -25,6 +25,14 @@ from tests.builders.definitions import X, Y, actuator, manipulator
 from tests.builders.scenes import DEFINITIONS, scene_from_text
 
 BODY = manipulator(actuator(2, X, Y))
+ONE = {"definition": BODY}
+BALL = {
+    "name": "ball",
+    "shape_type": "sphere",
+    "dimensions": [0.1],
+    "mass": 1,
+    "position": [9, 0, 0],
+}
 
 
 def read(data: dict[str, Any]) -> Scene:
@@ -285,3 +293,25 @@ def test_the_scene_of_a_definition_points_into_the_definition() -> None:
     assert made.span(("manipulators", 0, "definition", *place)) == document.span(place)
     for pointer in ((), ("manipulators",), ("manipulators", 0, "name"), ("gravity",)):
         assert made.span(pointer).source == "body.json"
+
+
+@pytest.mark.parametrize(
+    ("more", "added"),
+    [
+        ({}, ()),
+        ({"ground": {}}, ("contact_force",)),
+        ({"objects": [BALL]}, ("contact_force",)),
+        ({"objects": [BALL | {"collides": False, "fixed": True}]}, ()),
+        ({"manipulators": [ONE | {"base": "free"}]}, ("base_pose",)),
+        ({"manipulators": [ONE | {"base": "free"}], "ground": {}}, ("base_pose", "contact_force")),
+    ],
+)
+def test_what_is_recorded_unless_the_scene_says_so(
+    more: dict[str, Any], added: tuple[str, ...]
+) -> None:
+    found = scene_from_text(json.dumps({"manipulators": [ONE], **more}))
+    assert found.columns == ("joint_angles", "tip_position", *added)
+    own = {"record": {"columns": ["energy"]}}
+    assert scene_from_text(json.dumps({"manipulators": [ONE], **more, **own})).columns == (
+        "energy",
+    )

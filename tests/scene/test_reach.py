@@ -89,7 +89,9 @@ def test_fingers_out_of_reach_move_as_each_would_alone() -> None:
     ]
 
     def angles(*some: Data, keeps_unused: bool = False) -> list[list[float]]:
-        scene = scene_from_text(json.dumps({"manipulators": some, "ground": {"height": -1}}))
+        record = {"columns": ["joint_angles", "tip_position"]}
+        data = {"manipulators": some, "ground": {"height": -1}, "record": record}
+        scene = scene_from_text(json.dumps(data))
         plan = make_plan(scene, keeps_unused)
         kept = [one.is_kept for one in plan_report.explain(plan) if one.what == "collision shapes"]
         assert kept == [keeps_unused]
