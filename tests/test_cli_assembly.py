@@ -69,7 +69,8 @@ def test_run(somo: Somo, here: Path) -> None:
     assert (done.returncode, done.stderr) == (0, "")
     names = next(csv.reader(done.stdout.splitlines()))
     assert names[1] == "pair.left_actuator_0_joint_01.angle_rad"
-    assert names[-3:] == [f"pair.right_tip.{axis}_m" for axis in "xyz"]
+    assert names[-10:-7] == [f"pair.right_tip.{axis}_m" for axis in "xyz"]
+    assert names[-1] == "pair.base_pose.qw"  # its base is free
     assert len(done.stdout.splitlines()) == 22
     again = somo("run", here / "pair_scene.yaml", "--steps", "20", "-o", "-", "--quiet")
     assert again.stdout == done.stdout

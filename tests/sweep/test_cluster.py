@@ -82,7 +82,7 @@ def cluster(
             process.wait()
 
 
-def rows_of(folder: Path) -> list[dict[str, str]]:
+def rows_in(folder: Path) -> list[dict[str, str]]:
     with (folder / "results.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
     for row in rows:
@@ -115,7 +115,7 @@ def test_a_cluster_gives_the_same_table_though_a_worker_is_killed(
         workers[0].send_signal(signal.SIGKILL)
         _, messages = process.communicate(timeout=120)
     assert process.returncode == 0, messages
-    assert rows_of(here / "far") == rows_of(here / "own")
+    assert rows_in(here / "far") == rows_in(here / "own")
     kept = sorted(path.relative_to(here / "own") for path in (here / "own").rglob("trajectory.csv"))
     assert kept == [Path("0011/trajectory.csv")]
     for path in kept:

@@ -111,9 +111,11 @@ def test_who_moves_steadily_feels_nothing(integrator: str) -> None:
 
 def test_a_prescribed_base_at_rest_is_a_fixed_base() -> None:
     data = {"definition": "finger.yaml", "base": "constrained", "rpy": [0.5, 0, 0]}
+    record = {"columns": ["joint_angles", "tip_position"]}
     rows = []
     for one in (data, {**data, "motion": {"translation": [[0, 0, 0, 0]]}}):
-        rows.append(rows_of(scene_from_text(json.dumps({"manipulators": [one]})), 200))
+        scene = scene_from_text(json.dumps({"manipulators": [one], "record": record}))
+        rows.append(rows_of(scene, 200))
     assert np.array(rows[1]) == pytest.approx(np.array(rows[0]), abs=1e-5)
 
 

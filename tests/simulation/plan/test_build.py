@@ -52,7 +52,7 @@ def plan(*manipulators: dict[str, Any], **more: Any) -> Plan:
 def test_without_a_scale_everything_is_si() -> None:
     found = plan(gravity=[1, 2, 3], time_step=0.002, integrator="euler", record={"every": 3})
     assert (found.gravity, found.time_step, found.integrator) == ((1.0, 2.0, 3.0), 0.002, "euler")
-    assert (found.every, found.columns) == (3, ("joint_angles", "tip_position"))
+    assert (found.every, found.columns) == (3, ("joint_angles", "tip_position", "base_pose"))
     body = found.bodies[0]
     assert body.start.position == (1.0, 2.0, 3.0)
     assert body.drives[0].signal.at(1.0) == 2.0
